@@ -85,7 +85,7 @@ TEST_F(Bodies, that_look_unlike_firmware_need_force) {
     EXPECT_EQ(forced.value("error", "").find("Intel HEX"), std::string::npos) << forced;
 }
 
-TEST_F(Bodies, of_json_are_refused_with_a_key_twice_too_deep_or_more_behind) {
+TEST_F(Bodies, of_json_with_a_duplicate_key_too_deep_or_with_trailing_text_are_rejected) {
     const std::string json = "Content-Type: application/json\r\n";
     const std::string deep = std::string(40, '[') + std::string(40, ']');
     const std::pair<std::string, std::string> routes[] = {
@@ -118,7 +118,7 @@ TEST_F(Bodies, of_json_are_refused_with_a_key_twice_too_deep_or_more_behind) {
     }
 }
 
-TEST_F(Bodies, that_say_something_where_nothing_is_expected_are_refused) {
+TEST_F(Bodies, that_are_not_empty_where_none_is_expected_are_rejected) {
     const std::string json = "Content-Type: application/json\r\n";
     const std::string deep = std::string(40, '[') + std::string(40, ']');
     for (const std::string line :

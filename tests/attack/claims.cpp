@@ -108,7 +108,7 @@ TEST_F(Claims, quiet_device_keeps_its_address) {
     EXPECT_TRUE(daemon.counters_add_up());
 }
 
-TEST_F(Claims, peer_of_its_own_link_takes_nothing_either) {
+TEST_F(Claims, attacker_on_the_link_of_the_device_receives_no_commands_either) {
     ASSERT_TRUE(said(attacker, "air", broadcast(1)) && say(pilot, command(1)));
     ASSERT_TRUE(daemon.until([&] {
         answer();
@@ -121,7 +121,7 @@ TEST_F(Claims, peer_of_its_own_link_takes_nothing_either) {
 }
 
 // The device always sends the same bytes, and the attacker sent them first.
-TEST_F(Claims, who_repeats_a_device_from_new_ports_takes_nothing_from_it) {
+TEST_F(Claims, sender_that_repeats_a_device_from_new_ports_receives_none_of_its_commands) {
     std::vector<std::unique_ptr<UdpPeer>> ports;
     for (std::uint8_t n = 0; n < 70; ++n) {
         if (n % 7 == 0) {
@@ -138,14 +138,14 @@ TEST_F(Claims, who_repeats_a_device_from_new_ports_takes_nothing_from_it) {
 }
 
 // The attacker sent the frame first; the device's own is forwarded, and the device answers no question.
-TEST_F(Claims, what_another_sent_before_is_a_sign_of_life) {
+TEST_F(Claims, device_frame_that_an_attacker_sent_first_still_counts_as_a_sign_of_life) {
     ASSERT_TRUE(say(attacker, broadcast(200)) && device_says(broadcast(200)));
     EXPECT_EQ(daemon.count("air", "looped"), 0u);
     EXPECT_GE(conflict().at("count"), 1);
     EXPECT_EQ(daemon.route("0xDC").at("links"), nlohmann::json{"air"});
 }
 
-TEST_F(Claims, what_may_have_come_by_a_ring_is_no_claim) {
+TEST_F(Claims, copy_that_a_loop_may_have_caused_is_not_a_claim) {
     ASSERT_TRUE(say(attacker, vendor::who_are_you) && device_says(broadcast(200)) && say(attacker, broadcast(200)));
     EXPECT_EQ(daemon.count("ground", "looped"), 0u);
     EXPECT_EQ(questions(), 0u);
@@ -153,7 +153,7 @@ TEST_F(Claims, what_may_have_come_by_a_ring_is_no_claim) {
     EXPECT_TRUE(daemon.status().at("conflicts").empty());
 }
 
-TEST_F(Claims, device_that_came_back_elsewhere_is_reached_after_its_silence) {
+TEST_F(Claims, device_that_reappears_elsewhere_is_reached_after_it_stays_silent_on_its_old_link) {
     UdpPeer elsewhere;
     ASSERT_TRUE(say(elsewhere, broadcast(1)));
     const auto begin = anogate::Clock::now();
@@ -167,7 +167,7 @@ TEST_F(Claims, device_that_came_back_elsewhere_is_reached_after_its_silence) {
     EXPECT_TRUE(daemon.status().at("conflicts").empty());
 }
 
-TEST_F(Claims, conflict_is_logged_once_with_who_claims_the_address) {
+TEST_F(Claims, conflict_is_logged_once_with_the_claiming_sender) {
     const LogLines log;
     for (std::uint8_t n = 0; n < 5; ++n) EXPECT_TRUE(say(attacker, broadcast(100 + n)) && device_says(broadcast(n)));
     EXPECT_EQ(log.take(), "0xDC is seen on ground and air, claimed by ground (" + attacker.local().text() +
@@ -175,7 +175,7 @@ TEST_F(Claims, conflict_is_logged_once_with_who_claims_the_address) {
 }
 
 // It answers no question, so it loses its address, but with a log line.
-TEST_F(Claims, device_that_answers_nothing_loses_its_address_with_a_log_line) {
+TEST_F(Claims, device_that_does_not_answer_loses_its_address_with_a_log_line) {
     const LogLines log;
     ASSERT_TRUE(say(attacker, broadcast(1)));
     EXPECT_FALSE(daemon.route("0xDC").contains("moved_from"));
@@ -190,7 +190,7 @@ TEST_F(Claims, device_that_answers_nothing_loses_its_address_with_a_log_line) {
     EXPECT_NE(log.take().find("0xDC moved from ground to air"), std::string::npos);
 }
 
-TEST_F(Claims, host_is_reached_at_once_wherever_it_speaks) {
+TEST_F(Claims, host_is_reached_at_once_wherever_it_sends_from) {
     UdpPeer second;
     ASSERT_TRUE(said(second, "air", frame(0xFE, 0xFF, 0xC1, {0, 0, 0})) && device_says(frame(0xDC, 0xFE, 0xE3, Bytes(15, 1))));
     EXPECT_TRUE(daemon.until([&] { return count(second, 0xE3) == 1 && count(pilot, 0xE3) == 1; }));

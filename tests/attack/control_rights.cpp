@@ -67,7 +67,7 @@ protected:
 };
 
 // The device that they read answers nothing, so that each of them waits.
-TEST_F(ControlRights, viewers_that_read_parameters_refuse_no_command) {
+TEST_F(ControlRights, viewers_that_read_parameters_block_no_command) {
     Crowd viewers;
     for (int i = 0; i < 22; ++i) {
         std::string many;
@@ -84,7 +84,7 @@ TEST_F(ControlRights, viewers_that_read_parameters_refuse_no_command) {
 }
 
 // An upgrade or a calibration; does not wait for its end.
-TEST_F(ControlRights, who_may_only_view_or_is_of_another_site_ends_no_job_by_leaving) {
+TEST_F(ControlRights, viewers_and_pages_of_other_sites_cannot_cancel_a_job_by_disconnecting) {
     const std::string begin = R"({"what": "accelerometer"})", lines = "Accept: application/x-ndjson\r\n";
     ASSERT_EQ(code("POST /devices/0xDC/calibration", bearer(control_token), begin), "202");
     const auto state = [&] {
@@ -148,7 +148,7 @@ private:
     Child child_;
 };
 
-TEST_F(ControlRights, bursts_of_whole_requests_from_thousands_of_addresses_refuse_no_command) {
+TEST_F(ControlRights, bursts_of_whole_requests_from_thousands_of_addresses_block_no_command) {
     if (sanitized) GTEST_SKIP() << "with a sanitizer the gateway is ten times slower than those who flood it";
     std::string many;
     for (int i = 0; i < 10; ++i)
@@ -160,7 +160,7 @@ TEST_F(ControlRights, bursts_of_whole_requests_from_thousands_of_addresses_refus
     EXPECT_EQ(refused_commands(), std::vector<std::string>{});
 }
 
-TEST_F(ControlRights, bursts_of_one_users_requests_at_the_socket_refuse_neither_status_nor_reload_nor_commands) {
+TEST_F(ControlRights, request_bursts_of_one_user_at_the_socket_block_neither_status_nor_reload_nor_commands) {
     for (const std::string line : {"GET /metrics", "GET /status"}) {
         const auto at_socket = [this](int) { return connect_unix(socket); };
         const std::string asks = line + " HTTP/1.1\r\nHost: x\r\n\r\n";
@@ -173,7 +173,7 @@ TEST_F(ControlRights, bursts_of_one_users_requests_at_the_socket_refuse_neither_
     }
 }
 
-TEST_F(ControlRights, who_takes_one_users_places_for_good_leaves_room_for_status_and_reload) {
+TEST_F(ControlRights, clients_that_exhaust_the_quota_of_one_user_leave_room_for_status_and_reload) {
     Crowd readers;    // more than the sockets can store; nothing is read
     std::string many;
     for (int i = 0; i < 50; ++i) many += "GET /metrics HTTP/1.1\r\nHost: x\r\n\r\n";
@@ -185,7 +185,7 @@ TEST_F(ControlRights, who_takes_one_users_places_for_good_leaves_room_for_status
 }
 
 // So few that the links have used all of those reserved for them.
-TEST(FewDescriptors, leave_some_for_status_and_reload) {
+TEST(FewDescriptors, are_partly_reserved_for_status_and_reload) {
     constexpr int ports = 6;
     TempDir dir;
     std::vector<std::string> arguments{"udp-listen:127.0.0.1:0"};
@@ -207,7 +207,7 @@ TEST(FewDescriptors, leave_some_for_status_and_reload) {
 }
 
 // The ports of the links appear when all clients are connected.
-TEST(FewDescriptors, go_to_links_first) {
+TEST(FewDescriptors, are_used_for_links_first) {
     constexpr int ports = 8;
     TempDir dir;
     std::vector<std::string> arguments;

@@ -34,7 +34,7 @@ protected:
     std::string written = dir.write("anogate.json", R"({"links": ["udp-listen:127.0.0.1:0,name=ground"]})");
 };
 
-TEST_F(Files, that_are_pipes_hang_neither_check_nor_start_nor_reload) {
+TEST_F(Files, that_are_pipes_block_neither_check_nor_start_nor_reload) {
     Daemon running{ANOGATED, dir / "control.sock", {"--config", config()}, environment()};
     ASSERT_TRUE(running.until_answers()) << running.output();
     fs::create_directory(dir / "conf.d");
@@ -52,7 +52,7 @@ TEST_F(Files, that_are_pipes_hang_neither_check_nor_start_nor_reload) {
     EXPECT_EQ(pipe.wait(soon), 78) << pipe.output();
 }
 
-TEST_F(Files, of_an_earlier_run_that_are_damaged_are_told_and_prevent_no_start) {
+TEST_F(Files, that_an_earlier_run_left_damaged_are_logged_and_do_not_prevent_the_start) {
     fs::create_directory(dir / "state");
     for (const std::string& bytes :
          {std::string(1'000'000, '\x81'), std::string(1'000'000, '\x7F'), std::string{"nonsense"}, std::string{}}) {
@@ -66,7 +66,7 @@ TEST_F(Files, of_an_earlier_run_that_are_damaged_are_told_and_prevent_no_start) 
     }
 }
 
-TEST_F(Files, a_damaged_note_of_a_flash_is_reported_and_in_nobodys_way) {
+TEST_F(Files, a_damaged_record_of_a_firmware_update_is_reported_and_does_not_block_the_start) {
     fs::create_directory(dir / "state");
     const std::string sound = R"({"device": {"address": "0xDE", "name": "FC"}})";
     std::ofstream{dir / "state/firmware-0xDC.json"} << "{\"device\": {";
@@ -86,7 +86,7 @@ TEST_F(Files, a_damaged_note_of_a_flash_is_reported_and_in_nobodys_way) {
 constexpr const char* of_devices[] = {"limits-0xDC.json", "firmware-0xDC-12ab34cd.json", "type7-0xDC-12ab34cd.json",
                                       "calibration-0xDC-12ab34cd-compass.json", "calibration-0xDC-12ab34cd-accelerometer.json"};
 
-TEST_F(Files, of_devices_that_are_no_files_are_told_and_prevent_no_start) {
+TEST_F(Files, of_devices_that_are_not_regular_files_are_logged_and_do_not_prevent_the_start) {
     using Make = void (*)(const std::string& path);
     const Make kinds[] = {[](const std::string& path) { ASSERT_EQ(::mkfifo(path.c_str(), 0600), 0); },
                           [](const std::string& path) { fs::create_directory(path); },
@@ -124,7 +124,7 @@ TEST_F(Files, that_were_left_half_written_are_removed) {
     EXPECT_TRUE(fs::exists(dir / "state/token"));
 }
 
-TEST_F(Files, that_a_full_disk_does_not_take_say_so) {
+TEST_F(Files, that_cannot_be_written_to_a_full_disk_are_reported) {
     fs::create_directory(dir / "state");
     const SmallDisk disk{dir / "state", "64k"};
     if (!disk.why_not().empty()) GTEST_SKIP() << disk.why_not();
@@ -152,7 +152,7 @@ TEST_F(Files, that_a_full_disk_does_not_take_say_so) {
     EXPECT_NE(saved.find("\"refused\""), std::string::npos) << "not a silence: " << saved;
 }
 
-TEST_F(Files, with_a_key_that_others_may_read_encrypt_nothing) {
+TEST_F(Files, a_key_that_other_users_can_read_is_not_used_for_encryption) {
     const auto made = anogate::http::make_certificate({{"localhost"}, {"127.0.0.1"}}, dir / "cert.pem", dir / "key.pem");
     ASSERT_TRUE(made) << made.error();
     fs::permissions(dir / "key.pem", fs::perms{0644});

@@ -87,7 +87,7 @@ protected:
 
 constexpr const char* as_lines = "application/x-ndjson";
 
-TEST_P(ForgedAnswers, of_a_value_is_not_believed_and_the_job_reports_it) {
+TEST_P(ForgedAnswers, to_a_read_are_not_accepted_and_the_job_reports_them) {
     const Forger forger{daemon->port("net"), {frame(0xDC, 0xFE, 0xE1, {0, 0, 99})}};
     ASSERT_TRUE(daemon->until([&](const json&) { return !conflict().is_null(); }));
     for (int i = 0; i < 10; ++i) {
@@ -104,7 +104,7 @@ TEST_P(ForgedAnswers, of_a_value_is_not_believed_and_the_job_reports_it) {
 }
 
 // With the address of the device, and with that of a port, by which some devices acknowledge.
-TEST_P(ForgedAnswers, to_a_write_is_not_believed) {
+TEST_P(ForgedAnswers, to_a_write_are_not_accepted) {
     ignores_writes = true;
     const auto check = [](std::uint8_t source) {
         return frame(source, 0xFE, 0x00, {write[3], write[write.size() - 2], write.back()});
@@ -115,7 +115,7 @@ TEST_P(ForgedAnswers, to_a_write_is_not_believed) {
     EXPECT_NE(answer.body.find("answers with the address 0xDC were received on net"), std::string::npos) << answer.body;
 }
 
-TEST_P(ForgedAnswers, that_the_device_is_another_one_is_not_believed) {
+TEST_P(ForgedAnswers, with_another_device_info_are_not_accepted) {
     const Forger forger{daemon->port("net"), {frame(0xDC, 0xFF, 0xE3, {0xDC, 100, 0, 9, 9, 0, 0, 0x20, 3, 'b', 'a', 'd'})}};
     ASSERT_TRUE(daemon->until([&](const json&) { return !conflict().is_null(); }));
     EXPECT_EQ(asked(socket, "GET", "/devices/0xDC/parameters").status, 200u);
@@ -130,7 +130,7 @@ TEST_P(ForgedAnswers, raise_no_alarm) {
     EXPECT_EQ(asked(socket, "GET", "/alarms").body, "{\"alarms\":[]}\n");
 }
 
-TEST_P(ForgedAnswers, get_into_no_log_of_the_device_and_count_as_no_error) {
+TEST_P(ForgedAnswers, are_not_logged_as_lines_of_the_device_or_counted_as_errors) {
     const Bytes forged = frame(0xDC, 0xFE, 0xA0, {1, 'f', 'o', 'r', 'g', 'e', 'd'});
     const Forger forger{daemon->port("net"), {forged, frame(0xDC, 0xFF, 0x06, {0, 2, 0, 0, 0})}};
     ASSERT_TRUE(wait_until([&] { return daemon->count("net", "frames_in") >= 100; }));
@@ -141,7 +141,7 @@ TEST_P(ForgedAnswers, get_into_no_log_of_the_device_and_count_as_no_error) {
 }
 
 // With an address of its own the sender belongs to the network: its log lines can be read, and cause no alarm.
-TEST_P(ForgedAnswers, under_other_addresses_displace_no_line_of_a_device_and_count_as_no_error) {
+TEST_P(ForgedAnswers, from_other_addresses_displace_no_log_line_of_a_device_and_count_as_no_error) {
     logs_an_error = true;
     asked(socket, "PUT", "/devices/0xDC/parameters/PAR_0", R"({"value": 5})");
     ASSERT_TRUE(wait_until([&] { return json::parse(asked(socket, "GET", "/devices/0xDC/log").body).at("red") == 1; }));
@@ -159,7 +159,7 @@ TEST_P(ForgedAnswers, under_other_addresses_displace_no_line_of_a_device_and_cou
 }
 
 // The hints must not contradict the configuration.
-TEST_P(ForgedAnswers, are_told_as_what_they_are) {
+TEST_P(ForgedAnswers, are_reported_with_hints_that_fit_the_configuration) {
     const Forger forger{daemon->port("net"), {frame(0xDC, 0xFF, 0x03, Bytes(7, 1))}};
     ASSERT_TRUE(daemon->until([&](const json&) { return !conflict().is_null(); }));
     EXPECT_EQ(conflict().at("home"), json{"fc"});
@@ -174,7 +174,7 @@ TEST_P(ForgedAnswers, are_told_as_what_they_are) {
 }
 
 // Any sender that reaches a link can use the address of any host.
-TEST_P(ForgedAnswers, and_writes_of_other_hosts_refuse_no_command_and_no_other_work) {
+TEST_P(ForgedAnswers, and_writes_from_other_hosts_block_no_command_and_no_other_operation) {
     std::vector<Bytes> writes;
     for (const std::uint8_t host : {std::uint8_t{0xD2}, std::uint8_t{0x33}, std::uint8_t{0xFE}})
         for (const std::uint8_t to : {std::uint8_t{0xDC}, std::uint8_t{0xFF}}) writes.push_back(frame(host, to, 0xE1, {0, 0, 5}));
@@ -247,7 +247,7 @@ protected:
     std::thread answers;
 };
 
-TEST_P(ForgedBeside, answers_of_a_value_and_to_a_write_are_not_believed) {
+TEST_P(ForgedBeside, answers_to_a_read_and_to_a_write_are_not_accepted) {
     const auto check = [](std::uint8_t source) {
         const Bytes write = frame(0xFE, 0xDC, 0xE1, {0, 0, 5});
         return frame(source, 0xFE, 0x00, {write[3], write[write.size() - 2], write.back()});
@@ -303,7 +303,7 @@ protected:
     UdpPeer vehicle{"127.0.0.2:0"}, stranger{"127.0.0.3:0"};
 };
 
-TEST_P(LostVehicle, does_not_look_alive_by_what_a_stranger_sends) {
+TEST_P(LostVehicle, stays_lost_while_a_stranger_sends_with_its_address) {
     const std::string where = std::string{GetParam()} + " (" + stranger.local().text() + ")";
     const json still = lost_while_it_sends(stranger, GetParam());
     ASSERT_EQ(still.size(), 1u);
@@ -318,7 +318,7 @@ TEST_P(LostVehicle, does_not_look_alive_by_what_a_stranger_sends) {
     EXPECT_TRUE(daemon.until([&](const json&) { return lost().empty(); })) << "it is back";
 }
 
-TEST_P(LostVehicle, is_heard_by_its_new_address_once_the_user_says_that_it_is_the_same) {
+TEST_P(LostVehicle, is_recognized_at_its_new_address_once_the_user_forgets_its_route) {
     ASSERT_EQ(lost_while_it_sends(stranger, GetParam()).size(), 1u);
     EXPECT_EQ(asked(socket, "DELETE", "/routes/0xDC").status, 200u);
     EXPECT_TRUE(lost_while_it_sends(stranger, GetParam()).empty());
@@ -327,13 +327,13 @@ TEST_P(LostVehicle, is_heard_by_its_new_address_once_the_user_says_that_it_is_th
     EXPECT_FALSE(lost().at(0).contains("elsewhere"));
 }
 
-TEST_P(LostVehicle, is_heard_at_another_port_of_its_own_host) {
+TEST_P(LostVehicle, is_recognized_on_another_port_of_the_same_host) {
     UdpPeer again{"127.0.0.2:0"};
     EXPECT_TRUE(lost_while_it_sends(again, "air").empty()) << "its program has begun again";
 }
 
 // Commands are sent there, so its limits apply; values that would clear an alarm are ignored.
-TEST_P(LostVehicle, is_in_alarm_by_what_it_sends_from_elsewhere) {
+TEST_P(LostVehicle, alarms_are_raised_but_not_cleared_by_values_from_elsewhere) {
     const std::string body = R"({"limits": [{"field": "power.voltage", "side": "below", "red": 13.6}]})";
     ASSERT_EQ(asked(socket, "PUT", "/devices/0xDC/limits", body).status, 200u);
     ASSERT_EQ(lost_while_it_sends(stranger, GetParam()).size(), 1u);

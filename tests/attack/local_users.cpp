@@ -177,7 +177,7 @@ TEST_F(LocalUsers, many_idle_clients_do_not_keep_the_next_one_waiting) {
     EXPECT_TRUE(is_answered(*idle.back())) << "it asks when it likes";
 }
 
-TEST_F(LocalUsers, who_asked_half_a_question_gives_way_to_who_asks_a_whole_one) {
+TEST_F(LocalUsers, client_with_half_a_request_is_closed_for_one_with_a_whole_request) {
     std::vector<std::unique_ptr<Client>> half;
     for (int i = 0; i < places; ++i) {
         half.push_back(connect());
@@ -191,7 +191,7 @@ TEST_F(LocalUsers, who_asked_half_a_question_gives_way_to_who_asks_a_whole_one) 
     EXPECT_FALSE(half.back()->is_closed());
 }
 
-TEST_F(LocalUsers, who_was_not_heard_yet_keeps_his_place_before_half_questions) {
+TEST_F(LocalUsers, client_that_has_sent_nothing_yet_is_not_closed_for_others_with_half_a_request) {
     std::vector<std::unique_ptr<Client>> half;
     const auto slow = connect();
     for (int i = 0; i < 100; ++i) {
@@ -202,7 +202,7 @@ TEST_F(LocalUsers, who_was_not_heard_yet_keeps_his_place_before_half_questions) 
     EXPECT_TRUE(is_answered(*slow));
 }
 
-TEST_F(LocalUsers, nobody_is_cut_short_for_one_of_the_same_user_and_that_one_waits) {
+TEST_F(LocalUsers, a_new_client_waits_instead_of_cutting_short_a_busy_one_of_the_same_user) {
     std::vector<std::unique_ptr<Client>> busy;
     for (int i = 0; i < places; ++i) {
         busy.push_back(connect());
@@ -216,7 +216,7 @@ TEST_F(LocalUsers, nobody_is_cut_short_for_one_of_the_same_user_and_that_one_wai
     EXPECT_EQ(std::count_if(busy.begin(), busy.end(), [](const auto& client) { return client->is_closed(); }), 1);
 }
 
-TEST_F(LocalUsers, those_who_are_refused_and_stay_cost_little_and_not_for_long) {
+TEST_F(LocalUsers, refused_clients_that_stay_connected_use_few_descriptors_and_not_for_long) {
     const auto open = [] { return std::distance(fs::directory_iterator{"/proc/self/fd"}, fs::directory_iterator{}); };
     const auto before = open();
     std::vector<std::unique_ptr<Client>> stay;
@@ -297,7 +297,7 @@ protected:
     int ready[2]{};
 };
 
-TEST_F(TwoUsers, anothers_clients_leave_us_our_share_however_busy_they_are) {
+TEST_F(TwoUsers, busy_clients_of_another_user_leave_our_user_its_share) {
     const Child other{[&] { return theirs(places); }};
     ASSERT_TRUE(gateway.until([&] { return is_ready(); }));
     settle();
@@ -307,7 +307,7 @@ TEST_F(TwoUsers, anothers_clients_leave_us_our_share_however_busy_they_are) {
     }
 }
 
-TEST_F(TwoUsers, ours_leave_another_his_share) {
+TEST_F(TwoUsers, busy_clients_of_our_user_leave_another_user_its_share) {
     std::vector<std::unique_ptr<Client>> ours;
     for (int i = 0; i < places; ++i) {
         ours.push_back(connect());
@@ -357,7 +357,7 @@ protected:
     anogate::asio::io_context io{1};
 };
 
-TEST_F(ForeignFolder, nobody_makes_root_change_the_mode_of_another_file) {
+TEST_F(ForeignFolder, swapping_the_socket_for_a_link_does_not_make_root_change_another_files_mode) {
     const std::string socket = theirs + "/control.sock";
     const Child swapper{[&] { return swap_for_ever(socket); }};
     int changed = 0;
@@ -377,7 +377,7 @@ TEST_F(ForeignFolder, nobody_makes_root_change_the_mode_of_another_file) {
     EXPECT_TRUE(fs::is_regular_file(precious));
 }
 
-TEST_F(ForeignFolder, what_root_makes_there_is_found_and_is_roots) {
+TEST_F(ForeignFolder, files_that_root_creates_there_are_reachable_and_belong_to_root) {
     const std::string socket = theirs + "/control.sock";
     {
         Server control{io};
@@ -395,7 +395,7 @@ TEST_F(ForeignFolder, what_root_makes_there_is_found_and_is_roots) {
     EXPECT_TRUE(fs::is_empty(theirs));
 }
 
-TEST_F(ForeignFolder, a_link_of_theirs_on_the_way_is_not_followed) {
+TEST_F(ForeignFolder, a_symbolic_link_of_another_user_in_the_path_is_not_followed) {
     ASSERT_EQ(::symlink(ours.c_str(), (theirs + "/way").c_str()), 0);
     ASSERT_EQ(::lchown((theirs + "/way").c_str(), nobody, nobody), 0);
     Server control{io};
@@ -408,7 +408,7 @@ TEST_F(ForeignFolder, a_link_of_theirs_on_the_way_is_not_followed) {
     EXPECT_FALSE(fs::exists(ours + "/control.sock"));
 }
 
-TEST_F(ForeignFolder, a_socket_of_theirs_is_left_alone_dead_or_alive) {
+TEST_F(ForeignFolder, a_socket_of_another_user_is_left_alone_whether_in_use_or_not) {
     const std::string socket = theirs + "/control.sock";
     Child other{[&] {
         Server control{io};
@@ -424,7 +424,7 @@ TEST_F(ForeignFolder, a_socket_of_theirs_is_left_alone_dead_or_alive) {
     EXPECT_TRUE(fs::exists(socket));
 }
 
-TEST_F(ForeignFolder, a_ptys_path_that_is_anothers_link_is_left_to_him) {
+TEST_F(ForeignFolder, a_symbolic_link_of_another_user_at_a_pty_path_is_left_alone) {
     const std::string app = theirs + "/app";
     ASSERT_EQ(::symlink("/dev/pts/99999", app.c_str()), 0);
     ASSERT_EQ(::lchown(app.c_str(), nobody, nobody), 0);
@@ -436,7 +436,7 @@ TEST_F(ForeignFolder, a_ptys_path_that_is_anothers_link_is_left_to_him) {
     EXPECT_TRUE(gateway.until([&] { return fs::is_symlink(app); })) << "the way is free now";
 }
 
-TEST_F(ForeignFolder, what_was_put_beside_a_ptys_path_is_left_alone) {
+TEST_F(ForeignFolder, a_file_that_others_put_next_to_a_pty_path_is_left_alone) {
     std::ofstream{theirs + "/app.anogate-new"} << "somebody's";
     RunningGateway gateway{pty("app", theirs + "/app")};
     EXPECT_TRUE(fs::is_symlink(theirs + "/app"));
@@ -444,7 +444,7 @@ TEST_F(ForeignFolder, what_was_put_beside_a_ptys_path_is_left_alone) {
 }
 
 // Any user can have it: a name in the kernel that belongs to its first user.
-TEST_F(ForeignFolder, a_ptys_path_is_not_blocked_by_a_name_that_anybody_can_have) {
+TEST_F(ForeignFolder, a_pty_path_is_not_blocked_by_a_socket_name_that_any_user_can_bind) {
     struct stat folder {};
     ASSERT_EQ(::stat(theirs.c_str(), &folder), 0);
     const std::string name = "anogate-pty " + std::to_string(folder.st_dev) + " " + std::to_string(folder.st_ino) + " " +
@@ -460,7 +460,7 @@ TEST_F(ForeignFolder, a_ptys_path_is_not_blocked_by_a_name_that_anybody_can_have
 }
 
 // Without /run/anogate and $XDG_RUNTIME_DIR the lock is beside the path, where other users may have created files.
-TEST_F(ForeignFolder, nobody_is_kept_from_a_path_by_what_others_put_in_the_place_of_its_lock) {
+TEST_F(ForeignFolder, files_of_other_users_at_a_lock_path_do_not_block_locking) {
     fs::create_directory(dir / "tmp");
     ASSERT_EQ(::chmod((dir / "tmp").c_str(), 01777), 0);
     const auto locks = [&] { return std::distance(fs::directory_iterator{dir / "tmp"}, fs::directory_iterator{}); };
@@ -493,7 +493,7 @@ TEST_F(ForeignFolder, nobody_is_kept_from_a_path_by_what_others_put_in_the_place
     EXPECT_TRUE(fs::is_regular_file(lock));
 }
 
-TEST_F(ForeignFolder, a_users_locks_are_in_his_own_runtime_folder_and_in_no_other) {
+TEST_F(ForeignFolder, locks_of_a_user_are_in_the_runtime_folder_of_that_user_only) {
     const std::string own = theirs + "/own";
     ASSERT_TRUE(fs::create_directory(own) && ::chown(own.c_str(), nobody, nobody) == 0);
     fs::create_directory(dir / "open");
@@ -546,7 +546,7 @@ protected:
     std::string own = dir / "own";
 };
 
-TEST_F(LockFiles, what_killed_ones_left_is_taken_away_and_what_is_held_is_not) {
+TEST_F(LockFiles, of_killed_processes_are_removed_and_held_ones_are_kept) {
     const int result = as_user([&] {
         anogate::PathClaim held, next;
         if (!held.take(dir / "held")) return 1;
@@ -562,7 +562,7 @@ TEST_F(LockFiles, what_killed_ones_left_is_taken_away_and_what_is_held_is_not) {
     EXPECT_EQ(result, 0);
 }
 
-TEST_F(LockFiles, two_never_have_one_name_whoever_takes_old_ones_away) {
+TEST_F(LockFiles, are_never_held_twice_while_others_remove_stale_ones) {
     const int result = as_user([&] {
         std::vector<std::unique_ptr<Child>> others, takers;
         for (const std::string name : {"x", "y"})
@@ -599,7 +599,7 @@ protected:
     anogate::asio::io_context io{1};
 };
 
-TEST_F(Instances, an_ending_one_removes_only_its_own_socket) {
+TEST_F(Instances, a_stopping_one_removes_only_the_socket_that_it_created) {
     Server ending{io};
     ASSERT_EQ(ending.start(socket).error, "");
     fs::rename(socket, dir / "aside");
@@ -613,7 +613,7 @@ TEST_F(Instances, an_ending_one_removes_only_its_own_socket) {
     ::close(another);
 }
 
-TEST_F(Instances, of_three_that_start_at_once_over_a_stale_socket_one_has_it) {
+TEST_F(Instances, of_three_started_at_once_on_a_stale_socket_exactly_one_gets_it) {
     for (int round = 0; round < (sanitized ? 5 : 30); ++round) {    // a sanitizer makes each fork slow
         const int stale = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
         sockaddr_un address{};

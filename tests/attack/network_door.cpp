@@ -63,7 +63,7 @@ protected:
     std::uint16_t port = 0;
 };
 
-TEST_F(NetworkDoor, lets_in_who_has_a_token) {
+TEST_F(NetworkDoor, accepts_only_requests_with_a_valid_token) {
     EXPECT_EQ(code_of(http(port, request("GET /status"))), "401");
     EXPECT_EQ(code_of(http(port, request("GET /status", bearer(looks)))), "200");
     EXPECT_EQ(code_of(http(port, request("GET /status", bearer(acts)))), "200");
@@ -71,7 +71,7 @@ TEST_F(NetworkDoor, lets_in_who_has_a_token) {
     EXPECT_NE(http(port, request("GET /status")).find("WWW-Authenticate: Bearer"), std::string::npos);
 }
 
-TEST_F(NetworkDoor, tells_a_stranger_nothing_but_the_page) {
+TEST_F(NetworkDoor, serves_only_the_page_without_a_token) {
     const std::string page = "Accept: text/html\r\nAccept-Encoding: gzip\r\n";
     EXPECT_EQ(code_of(http(port, request("GET /"))), "401") << "the list of routes";
     EXPECT_EQ(code_of(http(port, request("GET /web/none.js", page))), "404") << "which files there are is no secret";
@@ -80,14 +80,14 @@ TEST_F(NetworkDoor, tells_a_stranger_nothing_but_the_page) {
     EXPECT_EQ(code_of(http(port, request("POST /", "Content-Type: application/json\r\n" + page, "{}"))), "405");
 }
 
-TEST_F(NetworkDoor, who_may_look_may_not_act) {
+TEST_F(NetworkDoor, the_read_only_token_allows_no_actions) {
     const std::string json = "Content-Type: application/json\r\n";
     EXPECT_EQ(code_of(http(port, request("POST /gpio", json + bearer(looks), "{}"))), "403");
     EXPECT_EQ(code_of(http(port, request("POST /gpio", json, "{}"))), "401");
     EXPECT_EQ(code_of(http(port, request("POST /gpio", json + bearer(acts), "{}"))), "404") << "there is no such line";
 }
 
-TEST_F(NetworkDoor, gives_a_browser_a_cookie_for_a_token) {
+TEST_F(NetworkDoor, sets_a_cookie_for_a_browser_that_signs_in_with_a_token) {
     const std::string json = "Content-Type: application/json\r\n";
     const std::string answer = http(port, request("POST /login", json, R"({"token": ")" + looks + "\"}"));
     ASSERT_EQ(code_of(answer), "200") << answer;
@@ -100,7 +100,7 @@ TEST_F(NetworkDoor, gives_a_browser_a_cookie_for_a_token) {
         EXPECT_EQ(code_of(http(port, request("POST /login", json, body))), "400") << body;
 }
 
-TEST_F(NetworkDoor, refuses_other_names_pages_and_forms) {
+TEST_F(NetworkDoor, rejects_other_host_names_other_origins_and_forms) {
     const auto asked = [&](const std::string& host, const std::string& more, const std::string& line = "GET /status") {
         const std::string body = line.starts_with("POST") ? "{}" : "";
         return code_of(http(port, line + " HTTP/1.1\r\nHost: " + host + "\r\nConnection: close\r\nContent-Length: " +
@@ -113,7 +113,7 @@ TEST_F(NetworkDoor, refuses_other_names_pages_and_forms) {
 }
 
 // A browser opens them for a page of another site, with our cookies.
-TEST_F(NetworkDoor, streams_of_pages_of_other_sites_leave_some_to_our_own) {
+TEST_F(NetworkDoor, streams_opened_by_pages_of_other_sites_leave_some_for_the_gateways_page) {
     const auto first_line = [&](int fd, const std::string& headers) {
         const std::string asked = request("GET /frames", bearer(acts) + headers);
         EXPECT_EQ(::send(fd, asked.data(), asked.size(), MSG_NOSIGNAL), static_cast<ssize_t>(asked.size()));
@@ -130,7 +130,7 @@ TEST_F(NetworkDoor, streams_of_pages_of_other_sites_leave_some_to_our_own) {
     EXPECT_EQ(first_line(own.get(), "Sec-Fetch-Site: same-origin\r\n"), "200");
 }
 
-TEST_F(NetworkDoor, slows_down_who_guesses) {
+TEST_F(NetworkDoor, slows_down_clients_that_guess_tokens) {
     for (int i = 0; i < 10; ++i)
         EXPECT_EQ(code_of(http(port, request("GET /status", bearer("guess" + std::to_string(i))))), "401");
     EXPECT_EQ(code_of(http(port, request("GET /status", bearer("guess")))), "429");
@@ -138,7 +138,7 @@ TEST_F(NetworkDoor, slows_down_who_guesses) {
     EXPECT_EQ(code_of(http(dir / "control.sock", "GET /status HTTP/1.0\r\n\r\n")), "200") << "the socket is another door";
 }
 
-TEST_F(NetworkDoor, a_crowd_from_the_network_leaves_room_for_the_socket) {
+TEST_F(NetworkDoor, many_network_clients_leave_room_for_the_control_socket) {
     std::vector<int> crowd;
     for (int i = 0; i < 100; ++i) {
         crowd.push_back(connect_tcp(port));
@@ -149,7 +149,7 @@ TEST_F(NetworkDoor, a_crowd_from_the_network_leaves_room_for_the_socket) {
     for (const int fd : crowd) ::close(fd);
 }
 
-TEST_F(NetworkDoor, ten_thousand_connections_in_turn_leave_nothing_behind) {
+TEST_F(NetworkDoor, ten_thousand_connections_in_turn_leak_no_descriptors_and_no_memory) {
     const auto descriptors = [&] {
         return std::distance(std::filesystem::directory_iterator{"/proc/" + std::to_string(daemon.pid()) + "/fd"}, {});
     };
@@ -170,7 +170,7 @@ TEST_F(NetworkDoor, ten_thousand_connections_in_turn_leave_nothing_behind) {
     }
 }
 
-TEST(NetworkDoorTokens, are_made_when_there_are_none) {
+TEST(NetworkDoorTokens, are_created_when_there_are_none) {
     TempDir dir;
     const std::string config = dir.write(
         "anogate.json", R"({"links": ["udp-listen:127.0.0.1:0"], "control": {"http": "127.0.0.1:0", "token_file": ")" +
@@ -181,7 +181,7 @@ TEST(NetworkDoorTokens, are_made_when_there_are_none) {
     EXPECT_TRUE(daemon.until_says("the tokens are in " + (dir / "state/token"))) << daemon.output();
 }
 
-TEST(NetworkDoorTokens, with_a_fault_keep_it_shut_and_the_gateway_running) {
+TEST(NetworkDoorTokens, with_a_fault_keep_http_off_and_the_gateway_running) {
     TempDir dir;
     const std::string tokens = dir.write("token", "everything is fine\n");
     std::filesystem::permissions(tokens, std::filesystem::perms{0600});
@@ -194,7 +194,7 @@ TEST(NetworkDoorTokens, with_a_fault_keep_it_shut_and_the_gateway_running) {
     EXPECT_EQ(daemon.output().find("http://127.0.0.1:"), std::string::npos) << daemon.output();
 }
 
-TEST(NetworkDoorPort, that_is_taken_is_waited_for) {
+TEST(NetworkDoorPort, that_is_in_use_is_waited_for) {
     TempDir dir;
     const int taken = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
     sockaddr_in address{};
@@ -263,7 +263,7 @@ std::string hello_of_client() {
     return "\x16\x03\x01" + sized(2, "\x01" + sized(3, hello));
 }
 
-TEST_F(EncryptedDoor, is_known_by_its_certificate) {
+TEST_F(EncryptedDoor, is_identified_by_its_certificate) {
     const std::string mine = "--cacert " + (dir / "cert.pem") + " -H 'Authorization: Bearer " + looks + "' ";
     EXPECT_EQ(curl(mine + "https://localhost:" + port + "/status"), "200");
     EXPECT_EQ(
@@ -275,7 +275,7 @@ TEST_F(EncryptedDoor, is_known_by_its_certificate) {
     EXPECT_EQ(curl("http://localhost:" + port + "/status 2> /dev/null"), "000") << "not encrypted";
 }
 
-TEST_F(EncryptedDoor, stands_junk_and_silence) {
+TEST_F(EncryptedDoor, withstands_junk_and_silent_clients) {
     const auto number = static_cast<std::uint16_t>(std::stoi(port));
     std::vector<int> silent;
     for (int i = 0; i < 60; ++i) silent.push_back(connect_tcp(number));
@@ -288,7 +288,7 @@ TEST_F(EncryptedDoor, stands_junk_and_silence) {
 }
 
 // All are pending at once, as the gateway was stopped meanwhile.
-TEST_F(EncryptedDoor, few_handshakes_of_one_client_wait) {
+TEST_F(EncryptedDoor, limits_the_pending_handshakes_of_one_client) {
     const auto number = static_cast<std::uint16_t>(std::stoi(port));
     const std::string hello = hello_of_client();
     daemon->signal(SIGSTOP);
@@ -312,7 +312,7 @@ TEST_F(EncryptedDoor, few_handshakes_of_one_client_wait) {
 }
 
 // Each hello costs the gateway a signature, and its sender nothing.
-TEST_F(EncryptedDoor, a_flood_of_hellos_refuses_nobody_who_controls) {
+TEST_F(EncryptedDoor, a_flood_of_hellos_blocks_no_client_with_the_control_token) {
     if (sanitized) GTEST_SKIP() << "with a sanitizer the gateway is ten times slower than those who flood it";
     const auto number = static_cast<std::uint16_t>(std::stoi(port));
     const std::string hello = hello_of_client();

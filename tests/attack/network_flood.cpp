@@ -88,7 +88,7 @@ struct Flood : testing::Test {
     std::vector<std::unique_ptr<Talker>> talkers;
 };
 
-TEST_F(Flood, a_command_does_not_wait_for_the_copies_of_what_others_sent_before_it) {
+TEST_F(Flood, a_command_does_not_wait_for_copies_of_broadcasts_that_others_sent_earlier) {
     const std::uint64_t before = daemon.count("ground", "frames_in");
     for (int i = 0; i < 8; ++i)
         for (auto& talker : talkers) talker->talk(ground);
@@ -97,7 +97,7 @@ TEST_F(Flood, a_command_does_not_wait_for_the_copies_of_what_others_sent_before_
     EXPECT_LT(daemon.count("ground", "frames_in") - before, floods * 8 * frames_of_datagram / 2);
 }
 
-TEST_F(Flood, who_sends_more_than_its_share_loses_its_own_datagrams_and_nobody_elses) {
+TEST_F(Flood, only_datagrams_of_senders_above_their_share_are_lost) {
     constexpr std::uint16_t rounds = 30;
     std::vector<std::uint16_t> numbers;
     const auto read = [&] {

@@ -75,7 +75,7 @@ protected:
     std::vector<std::unique_ptr<UdpPeer>> peers;
 };
 
-TEST_F(Strangers, that_only_listen_leave_places_for_an_operator) {
+TEST_F(Strangers, that_only_listen_leave_quota_for_an_operator) {
     start();
     for (int i = 0; i < 16; ++i) stranger(10 + i).send(to(), vendor::who_are_you);
     ASSERT_TRUE(until([&] { return places() + daemon->count("ground", "denied_in") == 16; }));
@@ -84,7 +84,7 @@ TEST_F(Strangers, that_only_listen_leave_places_for_an_operator) {
     EXPECT_TRUE(daemon->counters_add_up());
 }
 
-TEST_F(Strangers, that_send_what_nobody_asked_for_leave_places_for_an_operator) {
+TEST_F(Strangers, that_send_unrequested_frames_leave_quota_for_an_operator) {
     start();
     for (int round = 0; round < 3; ++round)
         for (int i = 0; i < 16; ++i) {
@@ -96,7 +96,7 @@ TEST_F(Strangers, that_send_what_nobody_asked_for_leave_places_for_an_operator) 
     EXPECT_EQ(seven_commands(stranger(40)), 7u);
 }
 
-TEST_F(Strangers, that_command_leave_a_place_for_a_trusted_network) {
+TEST_F(Strangers, that_send_commands_leave_quota_for_a_trusted_network) {
     auto link = udp_listen("ground", "0.0.0.0:0");
     link.as<anogate::UdpListenSettings>().trusted = {*anogate::Network::parse("10.0.0.40/32")};
     start(link);
@@ -107,7 +107,7 @@ TEST_F(Strangers, that_command_leave_a_place_for_a_trusted_network) {
     EXPECT_EQ(seven_commands(stranger(40)), 7u);
 }
 
-TEST_F(Strangers, that_command_keep_no_command_of_an_operator_out) {
+TEST_F(Strangers, that_send_commands_block_no_command_of_an_operator) {
     start();
     for (int i = 0; i < 30; ++i) stranger(10 + i);
     UdpPeer& pilot = stranger(40);
@@ -133,7 +133,7 @@ TEST_F(Strangers, that_command_keep_no_command_of_an_operator_out) {
     EXPECT_TRUE(daemon->counters_add_up());
 }
 
-TEST_F(Strangers, whose_one_datagram_is_forged_get_no_minute_of_telemetry) {
+TEST_F(Strangers, with_one_forged_datagram_receive_telemetry_for_less_than_a_minute) {
     start();
     stranger(10).send(to(), frame(0x40, 0xFE, 0xF1, Bytes(10, 1)) + frame(0x40, 0xFE, 0xF1, Bytes(10, 2)));
     ASSERT_TRUE(until([&] { return places() == 1; }));
@@ -147,7 +147,7 @@ TEST_F(Strangers, whose_one_datagram_is_forged_get_no_minute_of_telemetry) {
     EXPECT_GE(std::chrono::steady_clock::now() - began, 9s);
 }
 
-TEST_F(Strangers, that_listen_are_shown_so_and_end_when_their_port_is_closed) {
+TEST_F(Strangers, that_only_listen_are_shown_as_listening_and_removed_when_their_port_closes) {
     start();
     stranger(10).send(to(), vendor::who_are_you);
     ASSERT_TRUE(until([&] { return places() == 1; }));
@@ -164,7 +164,7 @@ TEST_F(Strangers, that_listen_are_shown_so_and_end_when_their_port_is_closed) {
     EXPECT_TRUE(until([&] { return !daemon->link("ground").at("channels").at(0).contains("listening_since_s"); }));
 }
 
-TEST(LocalPeers, one_that_came_once_does_not_drive_out_one_that_came_again) {
+TEST(LocalPeers, one_seen_once_does_not_replace_one_seen_again) {
     auto link = udp_listen("ground");
     link.as<anogate::UdpListenSettings>().max_peers = 2;
     RunningGateway daemon{link};

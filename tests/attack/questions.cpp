@@ -17,7 +17,7 @@ Bytes nonsense(std::uint16_t n) {
     return frame(0xFE, 0xDC, 0xE0, {2, static_cast<std::uint8_t>(n), static_cast<std::uint8_t>(0xC0 | n >> 8)});
 }
 
-TEST(Questions, of_twelve_peers_that_are_never_answered_do_not_keep_the_gateway_from_asking) {
+TEST(Questions, of_twelve_peers_that_stay_unanswered_do_not_block_requests_of_the_gateway) {
     TempDir dir;
     const std::string socket = dir / "control.sock";
     Daemon gateway{ANOGATED, socket, {"sim:fc,name=fc,profile=vendor", "udp-listen:127.0.0.1:0,name=ground"}};
@@ -41,7 +41,7 @@ TEST(Questions, of_twelve_peers_that_are_never_answered_do_not_keep_the_gateway_
     EXPECT_NE(list.output().find("SIM_HEIGHT"), std::string::npos) << list.output();
 }
 
-TEST(Questions, of_one_peer_that_are_never_answered_hold_one_place_while_another_waits) {
+TEST(Questions, of_one_peer_that_stay_unanswered_use_one_slot_while_another_peer_waits) {
     TempDir dir;
     Daemon gateway{ANOGATED, dir / "control.sock", {"sim:fc,name=fc,profile=vendor", "udp-listen:127.0.0.1:0,name=ground"}};
     ASSERT_TRUE(gateway.until([](const nlohmann::json& status) { return status.dump().find("\"0xDC\"") != std::string::npos; }))

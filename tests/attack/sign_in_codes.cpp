@@ -49,13 +49,13 @@ TEST_F(SignInCodes, sign_in_once) {
     EXPECT_TRUE(daemon.until_says("127.0.0.1 signed in with a one-time code (control)")) << daemon.output();
 }
 
-TEST_F(SignInCodes, for_watching_do_not_control) {
+TEST_F(SignInCodes, for_viewing_do_not_allow_control) {
     const std::string in = http(port, request("POST /login", {}, body(made(R"({"access": "view"})"))));
     EXPECT_EQ(body_of(in), "{\"access\": \"view\"}\n") << in;
     EXPECT_NE(in.find("=" + view_token), std::string::npos) << "the cookie is the read-only token";
 }
 
-TEST_F(SignInCodes, are_made_by_who_controls_alone) {
+TEST_F(SignInCodes, are_created_only_with_the_control_token) {
     EXPECT_EQ(code("POST /login/code", {}, "{}"), "401");
     EXPECT_EQ(code("POST /login/code", bearer(view_token), "{}"), "403");
     EXPECT_EQ(code("POST /login/code", bearer(control_token) + "Sec-Fetch-Site: cross-site\r\n", "{}"), "403");
@@ -68,7 +68,7 @@ TEST_F(SignInCodes, are_made_by_who_controls_alone) {
 }
 
 // The digits can be tried three times, from any number of addresses.
-TEST_F(SignInCodes, of_digits_are_void_after_three_wrong_tries_of_anybody) {
+TEST_F(SignInCodes, of_digits_are_void_after_three_wrong_attempts_from_any_addresses) {
     const std::string right = digits();
     EXPECT_EQ(use(other_than(right, 0), "127.9.0.1"), "401");
     EXPECT_EQ(use(other_than(right, 1), "127.9.0.2"), "401");
@@ -84,7 +84,7 @@ TEST_F(SignInCodes, of_digits_are_void_after_three_wrong_tries_of_anybody) {
     EXPECT_EQ(use(another), "200") << "it has three tries of its own";
 }
 
-TEST_F(SignInCodes, leave_the_link_valid_when_digits_are_guessed) {
+TEST_F(SignInCodes, of_a_link_stay_valid_when_digits_are_guessed) {
     const std::string code = link(), guessed = digits();
     for (int i = 0; i < 20; ++i) use(other_than(guessed, i), "127.9.0." + std::to_string(1 + i % 5));
     EXPECT_EQ(state("digits"), "void");
@@ -92,7 +92,7 @@ TEST_F(SignInCodes, leave_the_link_valid_when_digits_are_guessed) {
     EXPECT_EQ(use(code), "200");
 }
 
-TEST_F(SignInCodes, are_guessed_as_slowly_as_tokens) {
+TEST_F(SignInCodes, guesses_at_them_are_slowed_down_like_guesses_at_tokens) {
     const std::string right = link();
     for (int i = 0; i < 10; ++i) EXPECT_EQ(use(std::string(32, static_cast<char>('0' + i))), "401");
     EXPECT_EQ(use(std::string(32, 'a')), "429");
@@ -101,7 +101,7 @@ TEST_F(SignInCodes, are_guessed_as_slowly_as_tokens) {
 }
 
 // Otherwise a blocked address could end every code that is made, or try all digits without ending one.
-TEST_F(SignInCodes, of_digits_are_not_tried_from_an_address_that_is_slowed_down) {
+TEST_F(SignInCodes, of_digits_are_not_checked_for_an_address_that_is_slowed_down) {
     for (int i = 0; i < 11; ++i) use("000000", "127.9.0.1");
     for (int round = 0; round < 3; ++round) {
         const std::string right = digits();
@@ -141,7 +141,7 @@ TEST_F(SignInCodes, are_not_used_by_a_prefetch) {
 }
 
 // A code made with a stolen token gets no cookie with the new one.
-TEST_F(SignInCodes, end_with_the_tokens_that_they_were_made_with) {
+TEST_F(SignInCodes, expire_with_the_tokens_that_they_were_created_with) {
     const std::string one = link(), other = digits();
     dir.write("token", "view another-view-token-0123\ncontrol another-control-token-0123\n");
     http(socket, "POST /reload HTTP/1.0\r\n\r\n");
@@ -149,7 +149,7 @@ TEST_F(SignInCodes, end_with_the_tokens_that_they_were_made_with) {
     EXPECT_EQ(use(other), "401");
 }
 
-TEST_F(SignInCodes, are_not_made_of_tokens_that_are_not_there) {
+TEST_F(SignInCodes, are_not_created_for_tokens_that_do_not_exist) {
     dir.write("token", "view " + view_token + "\n");
     http(socket, "POST /reload HTTP/1.0\r\n\r\n");
     EXPECT_EQ(code_at_socket("POST /login/code", {}, "{}"), "409");
@@ -194,7 +194,7 @@ TEST_F(LateCodes, are_refused_after_five_minutes) {
 }
 
 // A million digits, three tries for each code: the owner makes any number of codes, and each is void at once.
-TEST_F(LateCodes, are_not_found_by_guessing_at_every_one_that_is_made) {
+TEST_F(LateCodes, allow_only_three_guesses_each_however_many_are_made) {
     unsigned tries = 0;
     for (int i = 0; i < 200; ++i) {
         const std::string right = make(R"({"form": "digits"})");

@@ -23,7 +23,7 @@ std::string cookie_in(const std::string& answer) {
 std::string sent_back(const std::string& set_cookie) { return "Cookie: " + set_cookie.substr(0, set_cookie.find(';')) + "\r\n"; }
 const std::string login = R"({"token": ")" + view_token + "\"}";
 
-TEST_F(Tokens, a_right_one_is_taken_whatever_wrong_ones_came_before) {
+TEST_F(Tokens, a_correct_one_is_accepted_after_any_number_of_wrong_ones) {
     for (int i = 0; i < 10; ++i) EXPECT_EQ(code("GET /status", bearer("guess" + std::to_string(i))), "401");
     EXPECT_EQ(code("GET /status", bearer("guess")), "429") << "who guesses is slowed down";
     EXPECT_EQ(code("GET /status", bearer(control_token)), "200");
@@ -84,7 +84,7 @@ TEST_F(Tokens, guessed_from_many_addresses_are_counted_and_fill_no_log) {
     EXPECT_EQ(lines, 10);
 }
 
-TEST_F(Tokens, signing_out_takes_the_cookie_back) {
+TEST_F(Tokens, signing_out_clears_the_cookie) {
     const std::string in = cookie_in(http(port, request("POST /login", {}, login)));
     EXPECT_NE(in.find("-"), in.rfind("-")) << "its name has an id of the token file: " << in;
     EXPECT_EQ(code("GET /status", sent_back(in)), "200");
@@ -94,7 +94,7 @@ TEST_F(Tokens, signing_out_takes_the_cookie_back) {
 }
 
 // A viewer can sign in for control: its cookie does not count in that request.
-TEST_F(Tokens, whoever_views_can_sign_in_to_control) {
+TEST_F(Tokens, a_viewer_can_sign_in_for_control) {
     const std::string in = cookie_in(http(port, request("POST /login", {}, login)));
     const std::string more = http(port, request("POST /login", sent_back(in), R"({"token": ")" + control_token + "\"}"));
     EXPECT_EQ(body_of(more), "{\"access\": \"control\"}\n");
@@ -120,7 +120,7 @@ TEST_F(OtherSites, start_and_change_nothing) {
     EXPECT_EQ(code("GET /status", "Origin: http://evil.example\r\n" + token), "403");
 }
 
-TEST_F(OtherSites, that_come_by_a_proxy_at_the_socket_neither) {
+TEST_F(OtherSites, start_and_change_nothing_through_a_proxy_at_the_socket_either) {
     const std::string json = "Content-Type: application/json\r\n";
     EXPECT_EQ(code_at_socket("POST /gpio", json + "Origin: http://evil.example\r\n", "{}"), "403");
     EXPECT_EQ(code_at_socket("POST /gpio", json + "Sec-Fetch-Site: cross-site\r\n", "{}"), "403");
@@ -130,7 +130,7 @@ TEST_F(OtherSites, that_come_by_a_proxy_at_the_socket_neither) {
         EXPECT_EQ(code_at_socket("GET /status", name + ": 1.2.3.4\r\n"), "401") << name << " is of a proxy";
 }
 
-TEST_F(OtherSites, and_proxies_get_no_strange_codings_but_the_options_of_the_server) {
+TEST_F(OtherSites, and_proxies_can_use_only_chunked_coding_and_query_the_options_of_the_server) {
     const auto sent = [&](const std::string& coding) {
         return code_of(
             http(port, "POST /gpio HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nContent-Type: application/json\r\n" +
@@ -151,7 +151,7 @@ protected:
     std::string new_token = "another-token-0123456789";
 };
 
-TEST_F(Reloaded, tokens_that_are_gone_are_refused_and_new_ones_taken) {
+TEST_F(Reloaded, removed_tokens_are_rejected_and_new_ones_accepted) {
     const std::string in = cookie_in(http(port, request("POST /login", {}, login)));
     dir.write("token", "control " + new_token + "\n");
     EXPECT_EQ(code("GET /status", bearer(control_token)), "200") << "nothing was read again";
@@ -167,7 +167,7 @@ TEST_F(Reloaded, tokens_that_are_gone_are_refused_and_new_ones_taken) {
 }
 
 // The streams of a stolen token end; the others stay.
-TEST_F(Reloaded, streams_of_tokens_that_are_gone_end) {
+TEST_F(Reloaded, streams_of_removed_tokens_are_closed) {
     const anogate::UniqueFd gone{connect_tcp(port)}, stays{connect_tcp(port)};
     const auto ask = [&](const anogate::UniqueFd& fd, const std::string& token) {
         const std::string text = "GET /frames HTTP/1.1\r\nHost: localhost\r\nVia: 1.1 test\r\n" + bearer(token) + "\r\n";
@@ -186,13 +186,13 @@ TEST_F(Reloaded, streams_of_tokens_that_are_gone_end) {
     EXPECT_EQ(::recv(stays.get(), &byte, 1, MSG_DONTWAIT), -1) << "it is open";
 }
 
-TEST_F(Reloaded, whoever_asks_for_it_with_a_token_that_is_gone_is_told_the_outcome) {
+TEST_F(Reloaded, a_reload_request_with_a_token_that_it_removes_still_gets_its_response) {
     dir.write("token", "control " + new_token + "\n");
     EXPECT_EQ(code("POST /reload", bearer(control_token)), "200");
     EXPECT_EQ(code("POST /reload", bearer(control_token)), "401");
 }
 
-TEST_F(Reloaded, files_that_are_at_fault_shut_the_door_as_at_the_start) {
+TEST_F(Reloaded, faulty_files_switch_http_off_as_at_the_start) {
     std::filesystem::permissions(tokens, std::filesystem::perms{0644});
     const std::string told = reload();
     EXPECT_NE(told.find("token: every user of this computer can read it"), std::string::npos) << told;

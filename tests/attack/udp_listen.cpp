@@ -234,7 +234,7 @@ TEST_F(TwoVehicles, are_not_joined_by_a_thousand_forged_frames) {
     EXPECT_FALSE(one->has_peer(two->ground()));
 }
 
-TEST_F(TwoVehicles, the_first_command_of_all_is_carried_out_at_home_only) {
+TEST_F(TwoVehicles, the_very_first_command_is_carried_out_only_by_the_vehicle_it_was_sent_to) {
     start();
     forge_from_one(frame(0xFE, 0xFF, 0xE0, {0, 0, 0}));
     ASSERT_TRUE(until([&] { return two->has_peer(one->ground()); }));
@@ -247,7 +247,7 @@ TEST_F(TwoVehicles, the_first_command_of_all_is_carried_out_at_home_only) {
 }
 
 // A sender that forges the question can't forge the answer: it does not see the number.
-TEST_F(TwoVehicles, nobody_says_in_the_name_of_another_that_it_is_a_gateway) {
+TEST_F(TwoVehicles, a_forged_notice_does_not_mark_another_sender_as_a_gateway) {
     start();
     UdpPeer* ground = nullptr;
     {
@@ -272,7 +272,7 @@ TEST_F(TwoVehicles, nobody_says_in_the_name_of_another_that_it_is_a_gateway) {
 }
 
 // Questions of so many unknown senders that the time of the operator's last suspension is forgotten.
-TEST_F(TwoVehicles, who_asks_in_an_operators_name_silences_it_for_one_second_in_sixty_whoever_else_asks) {
+TEST_F(TwoVehicles, forged_requests_suspend_an_operator_for_one_second_in_sixty_despite_other_senders) {
     start();
     UdpPeer* pilot = nullptr;
     {
@@ -306,7 +306,7 @@ TEST_F(TwoVehicles, who_asks_in_an_operators_name_silences_it_for_one_second_in_
     EXPECT_TRUE(two->gateway().counters_add_up());
 }
 
-TEST_F(TwoVehicles, a_join_that_is_meant_is_a_udp_link) {
+TEST_F(TwoVehicles, are_joined_on_purpose_with_a_udp_link) {
     two = std::make_unique<Vehicle>(*there, "10.0.0.2", std::vector{udp_listen("ground", "0.0.0.0:0")});
     one = std::make_unique<Vehicle>(*here, "10.0.0.1",
                                     std::vector{udp("join", two->ground().text()), udp_listen("ground", "0.0.0.0:0")});
@@ -326,7 +326,7 @@ TEST_F(TwoVehicles, a_join_that_is_meant_is_a_udp_link) {
     EXPECT_EQ(two->peers(), 1u);
 }
 
-TEST_F(Attack, a_socket_of_our_own_is_no_peer) {
+TEST_F(Attack, a_socket_of_the_gateway_does_not_become_a_peer) {
     Vehicle vehicle{*here, "10.0.0.1", {udp_listen("ground", "0.0.0.0:0")}};
     const Endpoint air{anogate::IpAddress::v4(127, 0, 0, 1), vehicle.gateway().port("air")};
     const Endpoint ground{anogate::IpAddress::v4(127, 0, 0, 1), vehicle.gateway().port("ground")};
@@ -341,7 +341,7 @@ TEST_F(Attack, a_socket_of_our_own_is_no_peer) {
 }
 
 // 16 hosts on four addresses, and one address with a new port for every frame.
-TEST_F(Attack, strangers_drive_nobody_out) {
+TEST_F(Attack, strangers_displace_no_peer) {
     for (int i = 0; i < 4; ++i) there->ip("address add 10.0.0.1" + std::to_string(i) + "/24 dev eth0");
     auto link = udp_listen("ground", "0.0.0.0:0");
     link.as<anogate::UdpListenSettings>().max_peers = 21;    // five of them are reserved for hosts that send commands
@@ -410,7 +410,7 @@ protected:
     std::unique_ptr<UdpPeer> victim;
 };
 
-TEST_F(Reflector, eight_forged_bytes_bring_24_at_the_most) {
+TEST_F(Reflector, eight_forged_bytes_cause_at_most_24_bytes_in_return) {
     start();
     stream(500);
     EXPECT_LE(victim->heard().size(), 24u);
@@ -419,7 +419,7 @@ TEST_F(Reflector, eight_forged_bytes_bring_24_at_the_most) {
     EXPECT_TRUE(vehicle->gateway().counters_add_up());
 }
 
-TEST_F(Reflector, a_device_that_answers_our_questions_gets_all) {
+TEST_F(Reflector, a_device_that_answers_the_requests_of_the_gateway_receives_all_frames) {
     start();
     int answers = 0;
     std::size_t read = 0;
@@ -444,14 +444,14 @@ TEST_F(Reflector, a_device_that_answers_our_questions_gets_all) {
     EXPECT_TRUE(vehicle->gateway().counters_add_up());
 }
 
-TEST_F(Reflector, a_peer_of_a_trusted_network_gets_all_at_once) {
+TEST_F(Reflector, a_peer_of_a_trusted_network_receives_all_frames_at_once) {
     start({*anogate::Network::parse("203.0.113.0/24")});
     stream(100);
     EXPECT_TRUE(until([&] { return split(victim->heard()).frames.size() >= 100; }));
     EXPECT_EQ(vehicle->gateway().count("ground", "held_back"), 0u);
 }
 
-TEST(ShortMemory, refuses_a_new_peer_and_serves_those_that_are_there) {
+TEST(ShortMemory, rejects_a_new_peer_and_keeps_serving_existing_ones) {
     RunningGateway daemon{udp_listen("ground"), udp_listen("air")};
     UdpPeer host, stranger, air;
     host.send(daemon.port("ground"), vendor::who_are_you);

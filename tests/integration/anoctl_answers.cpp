@@ -34,7 +34,7 @@ json points(int number) {
     return {{"waypoints", all}};
 }
 
-TEST_F(AnoctlAnswers, fewer_waypoints_than_there_are_are_asked_about_and_told) {
+TEST_F(AnoctlAnswers, writing_fewer_waypoints_than_stored_needs_confirmation_and_is_reported) {
     const std::string many = dir.write("many.json", points(4).dump()), one = dir.write("one.json", points(1).dump());
     const Ran refused = anoctl({"waypoint", "put", many});
     EXPECT_EQ(refused.exit, 2) << "nobody can be asked";
@@ -55,7 +55,7 @@ TEST_F(AnoctlAnswers, fewer_waypoints_than_there_are_are_asked_about_and_told) {
     EXPECT_TRUE(contains(wrong.output, "wrong.json: not a waypoint file")) << wrong.output;
 }
 
-TEST_F(AnoctlOtherDevice, that_stops_in_the_middle_is_told_with_how_many_waypoints_it_has) {
+TEST_F(AnoctlOtherDevice, that_stops_in_the_middle_of_a_write_is_reported_with_its_number_of_waypoints) {
     hear_of_another();
     fake.instead = [this](ano::FrameView frame) {
         return fake.waypoints.size() >= 2 && frame.id() == 0x61 ? std::optional{std::vector<Bytes>{}} : std::nullopt;
@@ -67,7 +67,7 @@ TEST_F(AnoctlOtherDevice, that_stops_in_the_middle_is_told_with_how_many_waypoin
         << put.output;
 }
 
-TEST_F(AnoctlOtherDevice, that_is_heard_is_not_said_to_be_silent) {
+TEST_F(AnoctlOtherDevice, that_is_online_but_does_not_answer_is_not_reported_as_silent) {
     hear_of_another();
     fake.instead = [](ano::FrameView frame) -> std::optional<std::vector<Bytes>> {
         if (frame.id() != 0x60 && frame.id() != 0xE1) return std::nullopt;
@@ -88,7 +88,7 @@ TEST_F(AnoctlOtherDevice, that_is_heard_is_not_said_to_be_silent) {
     EXPECT_TRUE(contains(set.output, " times; it probably does not accept this value")) << set.output;
 }
 
-TEST_F(AnoctlOtherDevice, a_device_that_was_never_heard_is_asked_before_it_is_said_to_be_unknown) {
+TEST_F(AnoctlOtherDevice, that_was_never_seen_is_asked_before_it_is_reported_as_unknown) {
     fake.make_parameters(3);
     const Ran get = asked({"param", "get", "PAR_0"});
     EXPECT_EQ(get.exit, 0) << get.output;
@@ -112,7 +112,7 @@ TEST_F(AnoctlAnswers, nothing_is_written_when_one_of_several_is_wrong) {
     EXPECT_TRUE(contains(anoctl({"param", "get", "SIM_TRN"}).output, "(did you mean 'SIM_TURN'?)"));
 }
 
-TEST_F(AnoctlOtherDevice, has_a_name_in_every_list_and_is_found_by_it_whatever_the_case) {
+TEST_F(AnoctlOtherDevice, is_listed_with_its_name_and_found_by_it_in_upper_or_lower_case) {
     hear_of_another();
     Process several{ANOCTL, {"param", "get", "SIM_TURN", "--control", socket}};
     EXPECT_EQ(until_ended(several), 2);
@@ -126,7 +126,7 @@ TEST_F(AnoctlOtherDevice, has_a_name_in_every_list_and_is_found_by_it_whatever_t
     EXPECT_EQ(anoctl({"param", "get", "SIM_RANGE_OFFSET", "--device", "SimFC"}).exit, 0);
 }
 
-TEST_F(AnoctlOtherDevice, is_listened_to_by_its_name) {
+TEST_F(AnoctlOtherDevice, is_selected_by_its_name_for_the_log) {
     hear_of_another();
     Process scan{ANOCTL, {"devices", "--scan", "--control", socket}};
     ASSERT_EQ(until_ended(scan), 0);
@@ -139,7 +139,7 @@ TEST_F(AnoctlOtherDevice, is_listened_to_by_its_name) {
     EXPECT_FALSE(contains(log.output(), "0xDE")) << log.output();
 }
 
-TEST_F(AnoctlAnswers, who_is_there_is_said_where_the_one_to_be_listened_to_is_not) {
+TEST_F(AnoctlAnswers, the_available_devices_are_listed_when_the_named_one_is_unknown) {
     const Ran nobody = anoctl({"log", "--device", "Nobody"});
     EXPECT_EQ(nobody.exit, 2);
     EXPECT_EQ(nobody.output, "anoctl: --device: no device is named 'Nobody'; devices: 0xDC SimFC\n")
@@ -149,7 +149,7 @@ TEST_F(AnoctlAnswers, who_is_there_is_said_where_the_one_to_be_listened_to_is_no
     EXPECT_TRUE(contains(own.output(), "'Nobody' is not an address (0xDC); with --link, give addresses")) << own.output();
 }
 
-TEST_F(AnoctlAnswers, what_a_calibration_kept_is_imported_and_named) {
+TEST_F(AnoctlAnswers, values_that_a_calibration_stored_are_imported_and_their_file_is_named) {
     const std::string file = dir.write(
         "calibration-0xDC-accelerometer.json",
         R"({"device": {"address": "0xDC", "name": "SimFC", "dev_id": 220}, "parameters": {"CAL_AOFF_X": 2.5}})");
@@ -161,7 +161,7 @@ TEST_F(AnoctlAnswers, what_a_calibration_kept_is_imported_and_named) {
     EXPECT_EQ(anoctl({"param", "get", "CAL_AOFF_X"}).output, "CAL_AOFF_X=2.5\n");
 }
 
-TEST_F(AnoctlAnswers, what_the_device_refuses_is_not_counted_as_written) {
+TEST_F(AnoctlAnswers, parameters_that_the_device_refuses_are_not_counted_as_written) {
     const std::string file = dir.write("refused.json", R"({"SIM_SERIAL": 1})");
     const Ran import = anoctl({"param", "import", file, "--yes"});
     EXPECT_EQ(import.exit, 1);
@@ -170,7 +170,7 @@ TEST_F(AnoctlAnswers, what_the_device_refuses_is_not_counted_as_written) {
     EXPECT_TRUE(contains(import.output, "anoctl: 1 parameter was not written\n")) << import.output;
 }
 
-TEST_F(AnoctlAnswers, behind_what_the_device_refuses_the_others_are_imported) {
+TEST_F(AnoctlAnswers, parameters_after_a_refused_one_are_still_imported) {
     const std::string file = dir.write("two.json", R"({"SIM_SERIAL": 1, "SIM_TURN": 44})");
     const Ran undone = anoctl({"param", "import", file, "--yes", "--rollback"});
     EXPECT_EQ(undone.exit, 1);
@@ -184,7 +184,7 @@ TEST_F(AnoctlAnswers, behind_what_the_device_refuses_the_others_are_imported) {
     EXPECT_EQ(anoctl({"param", "get", "SIM_TURN"}).output, "SIM_TURN=44\n");
 }
 
-TEST_F(AnoctlAnswers, all_that_does_not_fit_a_device_is_told_before_anything_is_written) {
+TEST_F(AnoctlAnswers, all_values_that_do_not_fit_a_device_are_reported_before_anything_is_written) {
     ASSERT_EQ(anoctl({"param", "set", "SIM_HEIGHT", "321"}).exit, 0);
     const std::string file = dir.write(
         "other.json", R"({"name": "Other", "parameters": {"NEWER": 1, "SIM_HEIGHT": 300, "SIM_TURN": 300, "SIM_NOTE": ")" +
@@ -203,7 +203,7 @@ TEST_F(AnoctlAnswers, all_that_does_not_fit_a_device_is_told_before_anything_is_
     EXPECT_EQ(anoctl({"param", "get", "SIM_HEIGHT"}).output, "SIM_HEIGHT=321\n");
 }
 
-TEST_F(AnoctlAnswers, a_file_of_another_device_is_warned_of_although_nobody_is_asked) {
+TEST_F(AnoctlAnswers, a_file_of_another_device_causes_a_warning_even_without_confirmation) {
     const std::string file = dir.write("other.json", R"({"name": "Other", "dev_id": 1, "parameters": {"SIM_HEIGHT": 444}})");
     const Ran import = anoctl({"param", "import", file, "--yes"});
     EXPECT_EQ(import.exit, 0) << import.output;
@@ -212,7 +212,7 @@ TEST_F(AnoctlAnswers, a_file_of_another_device_is_warned_of_although_nobody_is_a
     EXPECT_EQ(anoctl({"param", "get", "SIM_HEIGHT"}).output, "SIM_HEIGHT=444\n");
 }
 
-TEST_F(AnoctlAnswers, files_are_replaced_only_when_somebody_says_so) {
+TEST_F(AnoctlAnswers, files_are_replaced_only_after_confirmation) {
     const std::string old = dir.write("old.json", "old"), plan = dir.write("old.plan", "old");
     const std::vector<std::vector<std::string>> commands{{"param", "export", old}, {"waypoint", "get", plan}};
     for (std::vector<std::string> command : commands) {
@@ -237,7 +237,7 @@ TEST_F(AnoctlAnswers, files_are_replaced_only_when_somebody_says_so) {
     EXPECT_TRUE(contains(kml.output, "'.kml' is not a supported waypoint format; use .json, .geojson or .plan")) << kml.output;
 }
 
-TEST_F(AnoctlAnswers, what_differs_is_told_to_programs_as_diff_tells_it) {
+TEST_F(AnoctlAnswers, differences_are_printed_as_json_with_the_exit_status_of_diff) {
     const std::string file = dir / "backup.json";
     ASSERT_EQ(anoctl({"param", "export", file}).exit, 0);
     EXPECT_EQ(anoctl({"param", "diff", file}).exit, 0);
@@ -254,7 +254,7 @@ TEST_F(AnoctlAnswers, what_differs_is_told_to_programs_as_diff_tells_it) {
     EXPECT_EQ(anoctl({"param", "diff", file, "--device", "Nobody"}).exit, 2) << "that could not be found out";
 }
 
-TEST_F(AnoctlOtherDevice, has_values_that_are_no_numbers) {
+TEST_F(AnoctlOtherDevice, with_inf_and_nan_values_is_listed_exported_and_compared) {
     hear_of_another();
     fake.parameters = {{8, "A", "", {0, 0, 0xC0, 0x7F}}, {8, "B", "", {0, 0, 0x80, 0xFF}}, {8, "C", "", {0, 0, 0x80, 0x3F}}};
     const Ran get = asked({"param", "get", "--all"});
@@ -268,7 +268,7 @@ TEST_F(AnoctlOtherDevice, has_values_that_are_no_numbers) {
     EXPECT_TRUE(contains(diff.output, "no value in the file: A, B\n")) << diff.output;
 }
 
-TEST_F(AnoctlOtherDevice, whose_names_control_a_terminal_has_a_backup_that_does_not_and_fits_it) {
+TEST_F(AnoctlOtherDevice, with_control_characters_in_names_has_a_backup_without_them_that_fits_it) {
     hear_of_another();
     const Bytes value{0, 0, 0x80, 0x3F};
     fake.parameters = {{8, "P\xE2\x80\xAEX", "", value}, {8, "P\xE2\x80\xADX", "", value}, {8, "a\x01", "", value},
@@ -284,7 +284,7 @@ TEST_F(AnoctlOtherDevice, whose_names_control_a_terminal_has_a_backup_that_does_
     EXPECT_EQ(import.exit, 0) << import.output;
 }
 
-TEST_F(AnoctlAnswers, log_lines_from_before_are_shown_without_what_controls_a_terminal) {
+TEST_F(AnoctlAnswers, earlier_log_lines_are_shown_without_terminal_control_characters) {
     peer.send(gateway.port("peer"), frame(0x35, 0xFF, 0xA0, {1, 'm', 0xE2, 0x80, 0xAE, '1', '\r', '\n'}));
     peer.send(gateway.port("peer"), frame(0x36, 0xFF, 0xA1, {0, 0, 0xC0, 0x3F, 'v'}));
     Ran shown;
@@ -305,7 +305,7 @@ TEST_F(AnoctlAnswers, log_lines_from_before_are_shown_without_what_controls_a_te
     EXPECT_EQ(anoctl({"log", "--no-follow"}).exit, 2);
 }
 
-TEST_F(AnoctlAnswers, alarms_are_told_once_and_as_they_change) {
+TEST_F(AnoctlAnswers, alarms_are_shown_once_or_followed_as_they_change) {
     const auto send_voltage = [&](std::uint8_t low, std::uint8_t high) {
         peer.send(gateway.port("peer"), frame(0x35, 0xFF, 0x0D, {low, high, 0, 0}));
     };
@@ -344,7 +344,7 @@ TEST_F(AnoctlAnswers, alarms_are_told_once_and_as_they_change) {
     EXPECT_EQ(others.wait(), 1);
 }
 
-TEST_F(AnoctlAnswers, who_has_a_device_is_told_and_how_that_is_ended) {
+TEST_F(AnoctlAnswers, the_job_that_uses_a_device_is_reported_with_the_command_that_cancels_it) {
     hear_of_another();
     Process first{ANOCTL, {"param", "save", "--device", "0xDD", "--control", socket}};
     ASSERT_TRUE(wait_until([&] { return contains(anoctl({"devices", "--jobs"}).output, "running"); })) << first.output();
@@ -370,7 +370,7 @@ TEST_F(AnoctlAnswers, who_has_a_device_is_told_and_how_that_is_ended) {
     EXPECT_EQ(anoctl({"devices", "--cancel", "x"}).exit, 2);
 }
 
-TEST_F(AnoctlOtherDevice, a_write_that_is_interrupted_may_have_been_carried_out) {
+TEST_F(AnoctlOtherDevice, an_interrupted_write_is_reported_as_possibly_carried_out) {
     hear_of_another();
     fake.make_parameters(1);
     bool is_asked_to_write = false;
@@ -393,7 +393,7 @@ TEST_F(AnoctlOtherDevice, a_write_that_is_interrupted_may_have_been_carried_out)
     EXPECT_TRUE(contains(said, "anoctl: cancelled: PAR_0 may have been written\n")) << said;
 }
 
-TEST_F(AnoctlOtherDevice, an_import_that_is_interrupted_says_what_stays_and_what_was_undone) {
+TEST_F(AnoctlOtherDevice, an_interrupted_import_reports_which_values_stay_and_which_were_undone) {
     hear_of_another();
     fake.make_parameters(3);
     const auto old = fake.parameters;
@@ -426,7 +426,7 @@ TEST_F(AnoctlOtherDevice, an_import_that_is_interrupted_says_what_stays_and_what
     }
 }
 
-TEST_F(AnoctlOtherDevice, an_upgrade_is_cancelled_only_when_somebody_says_so) {
+TEST_F(AnoctlOtherDevice, an_upgrade_is_cancelled_only_after_confirmation) {
     hear_of_another();
     FakeLoader loader;
     fake.instead = [&](ano::FrameView frame) { return loader.take(fake, frame); };
@@ -456,7 +456,7 @@ TEST_F(AnoctlOtherDevice, an_upgrade_is_cancelled_only_when_somebody_says_so) {
     EXPECT_EQ(until_ended(flash), 1);
 }
 
-TEST_F(AnoctlOtherDevice, is_left_as_it_is_when_the_gateway_ends) {
+TEST_F(AnoctlOtherDevice, stays_in_its_loader_when_the_gateway_stops_during_a_flash) {
     hear_of_another();
     FakeLoader loader;
     fake.instead = [&](ano::FrameView frame) { return loader.take(fake, frame); };
@@ -486,7 +486,7 @@ TEST_F(AnoctlAnswers, streams_end_with_the_gateway) {
     EXPECT_EQ(image.wait(), 1);
 }
 
-TEST_F(AnoctlAnswers, questions_say_what_is_lost_and_lines_are_broken_between_words) {
+TEST_F(AnoctlAnswers, confirmations_name_the_data_to_be_lost_and_lines_wrap_between_words) {
     if (std::system("tmux -V > /dev/null 2>&1") != 0) GTEST_SKIP() << "tmux is not installed";
     const auto tmux = [&](const std::string& words) {
         return std::system(("TERM=xterm tmux -S " + (dir / "tmux") + " " + words + " 2>/dev/null").c_str());

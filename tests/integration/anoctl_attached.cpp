@@ -42,7 +42,7 @@ protected:
     Daemon gateway{ANOGATED, socket, {a.link("a"), b.link("b")}};
 };
 
-TEST_F(AnoctlOfAGateway, monitor_shows_both_directions_and_what_was_dropped_and_why) {
+TEST_F(AnoctlOfAGateway, monitor_shows_both_directions_and_dropped_frames_with_their_cause) {
     Process monitor = anoctl({"monitor", "--direction", "in", "out", "dropped"});
     EXPECT_TRUE(until_shows(monitor, " in 0xDC 0xFF 0x03 euler rol=1.23 pit=0 yaw=0 fusion_sta=1\n")) << monitor.output();
     EXPECT_TRUE(until_shows(monitor, " out 0xDC 0xFF 0x03 euler ")) << monitor.output();
@@ -53,7 +53,7 @@ TEST_F(AnoctlOfAGateway, monitor_shows_both_directions_and_what_was_dropped_and_
     EXPECT_NE(monitor.output().find(" frames shown\n"), std::string::npos) << monitor.output();
 }
 
-TEST_F(AnoctlOfAGateway, monitor_chooses_by_filters_and_ends_after_so_many) {
+TEST_F(AnoctlOfAGateway, monitor_applies_filters_and_ends_after_a_number_of_frames) {
     Process monitor = anoctl({"monitor", "--json", "--direction", "out", "--link", "b", "--id", "euler", "--from", "0xDC", "--to",
                               "0xFF", "--count", "2"});
     EXPECT_TRUE(wait_until([&] {
@@ -75,7 +75,7 @@ TEST_F(AnoctlOfAGateway, monitor_chooses_by_filters_and_ends_after_so_many) {
     EXPECT_EQ(line, "anoctl: 2 frames shown");
 }
 
-TEST_F(AnoctlOfAGateway, monitor_says_what_is_wrong_with_a_filter_and_when_the_gateway_ends) {
+TEST_F(AnoctlOfAGateway, monitor_reports_a_wrong_filter_and_the_end_of_the_gateway) {
     Process wrong = anoctl({"monitor", "--link", "c"});
     EXPECT_EQ(wrong.wait(), 2);
     EXPECT_NE(wrong.output().find("anoctl: there is no link 'c'"), std::string::npos) << wrong.output();
@@ -89,7 +89,7 @@ TEST_F(AnoctlOfAGateway, monitor_says_what_is_wrong_with_a_filter_and_when_the_g
     EXPECT_NE(late.output().find(socket), std::string::npos) << late.output();
 }
 
-TEST_F(AnoctlOfAGateway, send_says_by_which_links_it_left) {
+TEST_F(AnoctlOfAGateway, send_reports_the_links_that_sent_the_frame) {
     Process send = anoctl({"send", "wind", "wind_x=1", "--from", "0xDD"});
     EXPECT_EQ(send.wait(), 0) << send.output();
     EXPECT_NE(send.output().find("sent on a (" + a.local().text() + ")\n"), std::string::npos) << send.output();
@@ -102,7 +102,7 @@ TEST_F(AnoctlOfAGateway, send_says_by_which_links_it_left) {
     EXPECT_EQ(json::parse(hex.output()).at("sent").size(), 2u) << hex.output();
 }
 
-TEST_F(AnoctlOfAGateway, send_says_why_not) {
+TEST_F(AnoctlOfAGateway, send_reports_why_a_frame_was_not_sent) {
     Process nowhere = anoctl({"send", "wind", "--to", "0"});
     EXPECT_EQ(nowhere.wait(), 1);
     EXPECT_EQ(nowhere.output(), "anoctl: not sent: control: good frames that had no taker\n");
@@ -115,7 +115,7 @@ TEST_F(AnoctlOfAGateway, send_says_why_not) {
 }
 
 // Bytes that are valid text in both encodings: 模 or ģ, "caf茅" or "café".
-TEST(AnoctlOfAGatewayTexts, are_read_as_the_gateway_reads_those_of_the_link) {
+TEST(AnoctlOfAGatewayTexts, are_decoded_with_the_encoding_that_the_gateway_uses_for_the_link) {
     const TempDir dir;
     const std::string socket = dir / "control.sock";
     Daemon gateway{ANOGATED,

@@ -60,7 +60,7 @@ TEST_F(AnoctlDevices, parameters_are_listed_read_and_written) {
     EXPECT_EQ(get.output, "SIM_TURN=90\nSIM_SERIAL=687194767361\n") << get.output;
 }
 
-TEST_F(AnoctlDevices, what_is_wrong_is_said_with_its_exit_status) {
+TEST_F(AnoctlDevices, errors_are_reported_with_their_exit_status) {
     const Ran unknown = anoctl({"param", "get", "SIM_TRN"});
     EXPECT_EQ(unknown.exit, 1);
     EXPECT_TRUE(contains(unknown.output, "anoctl: no parameter is named 'SIM_TRN'")) << unknown.output;
@@ -84,7 +84,7 @@ TEST_F(AnoctlDevices, of_several_one_has_to_be_chosen) {
     EXPECT_EQ(anoctl({"param", "get", "SIM_RANGE_OFFSET", "--device", "flight_controller"}).exit, 0);
 }
 
-TEST_F(AnoctlDevices, a_file_shows_what_it_would_change_and_is_written_when_somebody_says_so) {
+TEST_F(AnoctlDevices, an_import_lists_its_changes_and_writes_them_only_after_confirmation) {
     const std::string file = dir / "backup.json";
     ASSERT_EQ(anoctl({"param", "export", file}).exit, 0);
     json backup = json::parse(text_of(file));
@@ -118,7 +118,7 @@ TEST_F(AnoctlDevices, a_file_shows_what_it_would_change_and_is_written_when_some
     EXPECT_EQ(anoctl({"param", "import", file}).exit, 0) << "nothing differs: nobody needs to be asked";
 }
 
-TEST_F(AnoctlDevices, defaults_come_back_only_when_somebody_says_so) {
+TEST_F(AnoctlDevices, defaults_are_restored_only_after_confirmation) {
     EXPECT_EQ(anoctl({"param", "reset"}).exit, 2);
     ASSERT_EQ(anoctl({"param", "set", "SIM_RANGE_OFFSET", "7"}).exit, 0);
     EXPECT_EQ(anoctl({"param", "save"}).exit, 0);
@@ -132,7 +132,7 @@ TEST_F(AnoctlDevices, defaults_come_back_only_when_somebody_says_so) {
     EXPECT_NE(anoctl({"param", "get", "SIM_RANGE_OFFSET"}).output, "SIM_RANGE_OFFSET=7\n");
 }
 
-TEST_F(AnoctlDevices, an_interrupt_cancels_the_job_and_says_so) {
+TEST_F(AnoctlDevices, an_interrupt_cancels_the_job_and_reports_it) {
     hear_of_another();
     peer.forget();
     Process list{ANOCTL, {"param", "list", "--device", "0xDD", "--control", socket}};
@@ -143,7 +143,7 @@ TEST_F(AnoctlDevices, an_interrupt_cancels_the_job_and_says_so) {
     EXPECT_TRUE(wait_until([&] { return contains(http(socket, "GET /jobs HTTP/1.0\r\n\r\n"), "\"cancelled\""); }));
 }
 
-TEST_F(AnoctlDevices, commands_are_listed_and_called_when_somebody_says_so) {
+TEST_F(AnoctlDevices, commands_are_listed_and_called_only_after_confirmation) {
     const Ran list = anoctl({"command", "list"});
     EXPECT_EQ(list.exit, 0) << list.output;
     EXPECT_TRUE(contains(list.output, "ADD u8 ")) << list.output;
@@ -214,7 +214,7 @@ TEST_F(AnoctlCommands, that_were_read_are_called_by_the_first_frame) {
 }
 
 // As after the board was replaced: the list that was read is no longer that of the device.
-TEST_F(AnoctlCommands, that_have_other_numbers_now_are_read_again_once_and_called_once) {
+TEST_F(AnoctlCommands, whose_numbers_changed_are_read_again_once_and_called_once) {
     be_heard();
     fake.commands = {{{1, 0, 9}, {}, "HOVER", ""}, {{1, 0, 1}, {3}, "TAKE_OFF", ""}, {{1, 0, 8}, {}, "LAND", ""}};
     const auto speak = [&] {
@@ -238,7 +238,7 @@ TEST_F(AnoctlCommands, that_have_other_numbers_now_are_read_again_once_and_calle
     EXPECT_EQ(Bytes(calls[0].begin() + 6, calls[0].begin() + 9), (Bytes{1, 0, 8}));
 }
 
-TEST_F(AnoctlCommands, of_the_page_that_were_read_are_called_by_the_first_frame) {
+TEST_F(AnoctlCommands, that_were_read_are_called_from_the_page_by_the_first_frame) {
     be_heard();
     const std::string body = R"({"values":[],"repeat":false,"name":"LAND"})";    // as live/device.ts sends it
     const std::string request = "POST /devices/221/commands/1 HTTP/1.0\r\nContent-Type: application/json\r\nContent-Length: " +
@@ -253,7 +253,7 @@ TEST_F(AnoctlCommands, of_the_page_that_were_read_are_called_by_the_first_frame)
     EXPECT_EQ(ids_heard(), only_the_call);
 }
 
-TEST_F(AnoctlCommands, are_called_by_their_three_bytes_without_a_question) {
+TEST_F(AnoctlCommands, are_called_by_their_three_bytes_without_any_other_request) {
     hear_of_another();
     const Ran called = asked({"command", "call", "--cid", "1,0,1", "u16:300", "--yes"});
     EXPECT_EQ(called.exit, 0) << called.output;
@@ -269,7 +269,7 @@ TEST_F(AnoctlCommands, are_called_by_their_three_bytes_without_a_question) {
     EXPECT_TRUE(ids_heard().empty());
 }
 
-TEST_F(AnoctlCommands, with_a_type_that_the_device_does_not_show_are_called_when_it_is_stated) {
+TEST_F(AnoctlCommands, with_a_type_that_the_device_does_not_report_are_called_once_it_is_stated) {
     fake.commands = {{{1, 0, 7}, {7}, "SEVEN", ""}};
     hear_of_another();
     const Ran list = asked({"command", "list"});
@@ -303,7 +303,7 @@ struct AnoctlParameters : AnsweringDevice {
     std::size_t different_frames() const { return std::set<Bytes>(fake.heard.begin(), fake.heard.end()).size(); }
 };
 
-TEST_F(AnoctlParameters, that_are_known_are_read_by_their_values_and_one_check) {
+TEST_F(AnoctlParameters, that_are_known_are_read_with_one_check_and_a_request_per_value) {
     be_read();
     const Ran got = asked({"param", "get", "PAR_20", "PAR_10", "0"});
     EXPECT_EQ(got.exit, 0) << got.output;
@@ -314,7 +314,7 @@ TEST_F(AnoctlParameters, that_are_known_are_read_by_their_values_and_one_check) 
     EXPECT_TRUE(contains(unknown.output, "no parameter is named 'PAR_99' (did you mean")) << unknown.output;
 }
 
-TEST_F(AnoctlParameters, that_are_known_are_written_behind_one_check) {
+TEST_F(AnoctlParameters, that_are_known_are_written_after_one_check) {
     be_read();
     const Ran set = asked({"param", "set", "PAR_0=5", "PAR_10=6"});
     EXPECT_EQ(set.exit, 0) << set.output;
@@ -352,7 +352,7 @@ TEST(AnoctlCommandsOfALink, by_their_three_bytes_are_called_by_the_first_frame) 
     EXPECT_EQ(fake.heard[0][3], 0xC0);
 }
 
-TEST_F(AnoctlDevices, waypoints_go_to_a_file_and_back) {
+TEST_F(AnoctlDevices, waypoints_are_exported_to_a_file_and_imported_again) {
     const std::string file = dir / "way.json", plan = dir / "way.geojson";
     ASSERT_EQ(anoctl({"waypoint", "get", file}).exit, 0);
     json way = json::parse(text_of(file));
@@ -401,14 +401,14 @@ TEST_F(AnoctlFlash, firmware_is_written_and_checked) {
     EXPECT_TRUE(contains(process.output(), "anoctl: ")) << "the steps: " << process.output();
 }
 
-TEST_F(AnoctlFlash, what_is_no_firmware_is_said_and_nothing_is_sent) {
+TEST_F(AnoctlFlash, a_file_that_is_not_firmware_is_reported_and_nothing_is_sent) {
     hear_of_another();
     Process process{ANOCTL, flash(dir.write("short.bia", "bia"))};
     EXPECT_EQ(until_ended(process), 1) << process.output();
     EXPECT_EQ(loader.infos, 0u);
 }
 
-TEST_F(AnoctlFlash, an_interrupt_in_the_middle_says_what_is_half_done) {
+TEST_F(AnoctlFlash, an_interrupt_in_the_middle_reports_that_the_device_is_still_in_its_loader) {
     hear_of_another();
     Process process{ANOCTL, flash(dir.write("new.bin", std::string(60'000, '\x01')))};
     bool is_told = false;
@@ -435,12 +435,12 @@ TEST_F(AnoctlDevices, a_calibration_that_is_interrupted_leaves_the_old_values) {
     EXPECT_EQ(anoctl({"param", "get", "CAL_AOFF_X"}).output, "CAL_AOFF_X=1.5\n");
 }
 
-TEST_F(AnoctlDevices, names_complete) {
+TEST_F(AnoctlDevices, names_are_completed) {
     EXPECT_TRUE(wait_until([&] { return contains(anoctl({"__complete", "names"}).output, "\t0xDC\n"); }));
     EXPECT_TRUE(wait_until([&] { return contains(anoctl({"__complete", "parameters", "param", "get"}).output, "SIM_TURN\t"); }));
 }
 
-TEST_F(AnoctlDevices, nobody_is_asked_without_a_gateway) {
+TEST_F(AnoctlDevices, are_not_asked_without_a_gateway_and_a_hint_is_shown) {
     Process none{ANOCTL, {"param", "list", "--control", dir / "nothing"}};
     EXPECT_EQ(none.wait(), 1);
     EXPECT_TRUE(contains(none.output(), dir / "nothing")) << none.output();
@@ -448,7 +448,7 @@ TEST_F(AnoctlDevices, nobody_is_asked_without_a_gateway) {
         << none.output();
 }
 
-TEST(AnoctlDevicesOfALink, are_asked_by_the_same_engine_without_a_gateway) {
+TEST(AnoctlDevicesOfALink, are_read_and_written_without_a_gateway) {
     TempDir dir;
     const auto by_link = [](std::vector<std::string> words) {
         words.insert(words.end(), {"--link", "sim:fc"});
@@ -470,7 +470,7 @@ TEST(AnoctlDevicesOfALink, are_asked_by_the_same_engine_without_a_gateway) {
     EXPECT_TRUE(contains(absent.output(), "absent not found")) << absent.output();
 }
 
-TEST_F(AnoctlDevices, a_person_is_asked_and_a_bar_is_shown_at_a_terminal) {
+TEST_F(AnoctlDevices, confirmations_and_a_progress_bar_are_shown_on_a_terminal) {
     if (std::system("tmux -V > /dev/null 2>&1") != 0) GTEST_SKIP() << "tmux is not installed";
     const auto tmux = [&](const std::string& words) {
         return std::system(("TERM=xterm tmux -S " + (dir / "tmux") + " " + words + " 2>/dev/null").c_str());

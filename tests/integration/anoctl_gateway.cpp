@@ -106,7 +106,7 @@ TEST_F(AnoctlGateway, shows_its_status) {
     EXPECT_EQ(lines_of(as_json.said)[0].at("links").size(), 3u);
 }
 
-TEST_F(AnoctlGateway, shows_its_links_and_all_that_they_count) {
+TEST_F(AnoctlGateway, shows_its_links_and_all_their_counters) {
     fc.write(Bytes(100, 0x55));
     ASSERT_TRUE(daemon.until([&](const json&) { return daemon.count("fc", "skipped_bytes") == 100; }));
     const Result links = ask({"links"});
@@ -122,7 +122,7 @@ TEST_F(AnoctlGateway, shows_its_links_and_all_that_they_count) {
     EXPECT_EQ(unknown.said, "anoctl: unknown link 'gruond' (did you mean 'ground'?); links: fc, ground, absent\n");
 }
 
-TEST(AnoctlStatus, is_ok_when_all_links_are_up_and_says_one_hint_once) {
+TEST(AnoctlStatus, is_ok_when_all_links_are_up_and_shows_a_common_hint_once) {
     const TempDir dir;
     PtyDevice one{dir / "one"}, two{dir / "two"};
     const std::string socket = dir / "control.sock";
@@ -145,7 +145,7 @@ TEST(AnoctlStatus, is_ok_when_all_links_are_up_and_says_one_hint_once) {
 }
 
 // With the option 0 and 3, without it always 0, whatever is degraded.
-TEST(AnoctlStatus, ends_with_3_while_it_is_degraded_if_that_is_asked_for) {
+TEST(AnoctlStatus, exits_with_3_while_degraded_if_the_option_is_set) {
     const TempDir dir;
     const std::string socket = dir / "control.sock";
     auto two = std::make_unique<PtyDevice>(dir / "two");
@@ -212,7 +212,7 @@ TEST(AnoctlStatus, names_a_vehicle_that_was_lost_in_flight) {
     EXPECT_NE(locked.said.find("\nlost: 0xDC, locked "), std::string::npos) << locked.said;
 }
 
-TEST(AnoctlLinks, show_what_only_some_kinds_count) {
+TEST(AnoctlLinks, show_counters_that_only_some_kinds_have) {
     const TempDir dir;
     KeptItem command;
     command.link = "fc";
@@ -233,7 +233,7 @@ TEST_F(AnoctlGateway, shows_which_port_the_system_chose) {
     }
 }
 
-TEST_F(AnoctlGateway, shows_where_addresses_lead_and_forgets_one) {
+TEST_F(AnoctlGateway, shows_its_routes_and_removes_one) {
     const Result routes = ask({"routes"});
     EXPECT_EQ(routes.exit, 0);
     EXPECT_NE(routes.said.find("0xFE"), std::string::npos) << routes.said;
@@ -258,7 +258,7 @@ TEST_F(AnoctlGateway, shows_its_metrics) {
     EXPECT_TRUE(found);
 }
 
-TEST_F(AnoctlGateway, is_found_where_control_says_before_the_command_too) {
+TEST_F(AnoctlGateway, is_found_by_the_option_control_before_and_after_the_command) {
     EXPECT_EQ(anoctl({"--control", socket, "--json", "routes"}).exit, 0);
     EXPECT_EQ(anoctl({"--control=" + socket, "routes"}).exit, 0);
     EXPECT_EQ(anoctl({"routes", "--control=" + socket}).exit, 0);
@@ -266,7 +266,7 @@ TEST_F(AnoctlGateway, is_found_where_control_says_before_the_command_too) {
     EXPECT_EQ(anoctl({"--control", socket}).exit, 2);
 }
 
-TEST_F(AnoctlGateway, of_a_user_is_found_where_it_usually_is) {
+TEST_F(AnoctlGateway, of_a_user_is_found_at_the_default_path) {
     Daemon own{ANOGATED, dir / "anogate.sock", {"sim:fc,name=own"}};
     ASSERT_TRUE(own.until_answers()) << own.output();
     if (::geteuid() != 0) {
@@ -281,7 +281,7 @@ TEST_F(AnoctlGateway, of_a_user_is_found_where_it_usually_is) {
     EXPECT_NE(status.said.find("own"), std::string::npos) << status.said;
 }
 
-TEST_F(AnoctlGateway, without_permission_says_how_to_get_it) {
+TEST_F(AnoctlGateway, without_permission_shows_how_to_get_it) {
     if (::geteuid() != 0) GTEST_SKIP() << "only root can become a user who may not";
     const auto nobody = [] { (void)(::setgroups(0, nullptr) == 0 && become_nobody()); };
     ASSERT_EQ(::chmod(dir.path().c_str(), 0755), 0);
@@ -300,7 +300,7 @@ TEST_F(AnoctlGateway, without_permission_says_how_to_get_it) {
               std::string::npos);
 }
 
-TEST_F(AnoctlGateway, that_does_not_run_is_told) {
+TEST_F(AnoctlGateway, that_does_not_run_is_reported) {
     const Result none = anoctl({"status", "--control", dir / "none.sock"});
     EXPECT_EQ(none.exit, 1);
     EXPECT_EQ(none.said, "anoctl: no gateway is running at " + dir / "none.sock" +
@@ -323,7 +323,7 @@ TEST_F(AnoctlGateway, that_does_not_run_is_told) {
                              ": the socket is left from a stopped one; to start one: anogated LINK...\n");
 }
 
-TEST_F(AnoctlGateway, tells_shells_which_devices_and_links_there_are) {
+TEST_F(AnoctlGateway, lists_devices_and_links_for_shell_completion) {
     const Result devices = anoctl({"__complete", "devices", "monitor", "--control", socket, "--from", ""});
     EXPECT_EQ(devices.exit, 0);
     EXPECT_NE(devices.said.find("0xFE\thost, ground\n"), std::string::npos) << devices.said;
@@ -334,7 +334,7 @@ TEST_F(AnoctlGateway, tells_shells_which_devices_and_links_there_are) {
     EXPECT_EQ(anoctl({"--help"}).said.find("__complete"), std::string::npos);
 }
 
-TEST(AnoctlComplete, says_nothing_where_no_gateway_answers) {
+TEST(AnoctlComplete, prints_nothing_when_no_gateway_answers) {
     const TempDir dir;
     const std::string silent = dir / "silent.sock";
     const int listening = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
@@ -419,7 +419,7 @@ TEST_F(AnoctlReload, changes_nothing_in_a_dry_run) {
     EXPECT_EQ(reload({"--dry-run"}).said, "no changes\n");
 }
 
-TEST_F(AnoctlReload, says_what_needs_a_restart) {
+TEST_F(AnoctlReload, lists_the_changes_that_need_a_restart) {
     body =
         R"({"dry_run": false, "changed": false, "links": [], "gateway": [], "needs_restart": ["control.http: not set -> 1.2.3.4:8"]})";
     EXPECT_EQ(reload({}).said, "at the next start:\n    control.http: not set -> 1.2.3.4:8\n");
@@ -444,7 +444,7 @@ TEST_F(AnoctlReload, names_the_option_whose_value_is_refused) {
     EXPECT_EQ(refused.said, "anoctl: --confirm-within must be a duration such as 30s, from 1s to 1h, not '0'\n");
 }
 
-TEST_F(AnoctlReload, confirms) {
+TEST_F(AnoctlReload, confirms_the_new_configuration) {
     EXPECT_EQ(reload({"--confirm"}).said, "the new configuration is confirmed\n");
     EXPECT_EQ(asked, "/reload/confirm");
     status = 409;

@@ -78,7 +78,7 @@ TEST_F(AnoctlListening, log_shows_lines_and_values_with_time_and_device) {
     EXPECT_EQ(log.wait(), 0);
 }
 
-TEST_F(AnoctlListening, log_is_json_and_of_the_devices_that_are_named) {
+TEST_F(AnoctlListening, log_prints_json_of_the_named_devices_only) {
     Process log = anoctl({"log", "--json", "--device", "0xDC"});
     ASSERT_TRUE(wait_until([&] {
         a.send(gateway.port("a"), frame(0xDD, 0xFE, 0xA0, {0, 'x'}));
@@ -97,7 +97,7 @@ TEST_F(AnoctlListening, log_is_json_and_of_the_devices_that_are_named) {
     EXPECT_NE(wrong.output().find("nobody"), std::string::npos) << wrong.output();
 }
 
-TEST_F(AnoctlListening, log_has_its_colours_on_a_terminal) {
+TEST_F(AnoctlListening, log_shows_colours_on_a_terminal) {
     if (std::system("tmux -V > /dev/null 2>&1") != 0) GTEST_SKIP() << "tmux is not installed";
     const auto tmux = [&](const std::string& words) {
         return std::system(("TERM=xterm tmux -S " + (dir / "tmux") + " " + words + " 2>/dev/null").c_str());
@@ -125,7 +125,7 @@ TEST_F(AnoctlListening, log_has_its_colours_on_a_terminal) {
 }
 
 // It may start to listen in the middle of a picture, so a part of the first one may be missing.
-TEST_F(AnoctlListening, image_writes_whole_pictures_and_tells_what_is_missing) {
+TEST_F(AnoctlListening, image_writes_whole_pictures_and_reports_missing_rows) {
     Process image = anoctl({"image", dir / "pictures", "--json"});
     std::uint8_t flag = 0;
     EXPECT_TRUE(wait_until([&] {
@@ -153,7 +153,7 @@ TEST_F(AnoctlListening, image_writes_whole_pictures_and_tells_what_is_missing) {
         << image.output();
 }
 
-TEST_F(AnoctlListening, image_ends_after_so_many_pictures) {
+TEST_F(AnoctlListening, image_ends_after_the_requested_number_of_pictures) {
     Process image = anoctl({"image", dir / "pictures", "--json", "--count", "2"});
     std::uint8_t flag = 0;
     EXPECT_TRUE(wait_until([&] {
@@ -168,7 +168,7 @@ TEST_F(AnoctlListening, image_ends_after_so_many_pictures) {
     EXPECT_NE(image.output().find("anoctl: 2 pictures\n"), std::string::npos) << image.output();
 }
 
-TEST_F(AnoctlListening, image_of_an_interrupted_run_says_what_came) {
+TEST_F(AnoctlListening, image_reports_the_received_pictures_when_it_is_interrupted) {
     Process image = anoctl({"image", dir.path().string()});
     std::uint8_t flag = 0;
     EXPECT_TRUE(wait_until([&] {
@@ -180,7 +180,7 @@ TEST_F(AnoctlListening, image_of_an_interrupted_run_says_what_came) {
     EXPECT_NE(image.output().find(" of them incomplete"), std::string::npos) << image.output();
 }
 
-TEST_F(AnoctlListening, image_says_why_nothing_can_be_written) {
+TEST_F(AnoctlListening, image_reports_why_it_cannot_write) {
     Process image = anoctl({"image", dir.write("file", "") + "/pictures"});
     EXPECT_EQ(image.wait(), 1);
     EXPECT_NE(image.output().find("cannot create"), std::string::npos) << image.output();
@@ -188,7 +188,7 @@ TEST_F(AnoctlListening, image_says_why_nothing_can_be_written) {
     EXPECT_EQ(missing.wait(), 2);
 }
 
-TEST(AnoctlOwnLink, log_and_image_listen_at_a_link_of_their_own) {
+TEST(AnoctlOwnLink, log_and_image_receive_over_a_link_without_a_gateway) {
     TempDir dir;
     PtyDevice device{dir / "tty"};
     {
@@ -208,7 +208,7 @@ TEST(AnoctlOwnLink, log_and_image_listen_at_a_link_of_their_own) {
     EXPECT_EQ(nowhere.wait(), 2);
 }
 
-TEST(AnoctlOwnLink, image_does_not_count_the_picture_that_it_joins_in_the_middle) {
+TEST(AnoctlOwnLink, image_does_not_count_a_picture_whose_beginning_it_missed) {
     TempDir dir;
     PtyDevice device{dir / "tty"};
     std::filesystem::create_directory(dir / "pictures");

@@ -92,7 +92,7 @@ TEST(AnoctlMonitor, shows_the_frames_of_a_serial_device) {
     EXPECT_NE(monitor.err().find("2 frames shown of 2, 0 bytes outside any frame"), std::string::npos) << monitor.err();
 }
 
-TEST(AnoctlMonitor, reads_text_as_the_link_says_unless_an_option_does) {
+TEST(AnoctlMonitor, decodes_text_with_the_encoding_of_the_link_unless_an_option_sets_one) {
     const support::TempDir folder;
     support::PtyDevice device{(folder.path() / "tty").string()};
     const auto log = support::frame(0xDC, 0xFE, 0xA0, {0, 0xC4, 0xA3});    // in GBK one character, in UTF-8 another
@@ -108,7 +108,7 @@ TEST(AnoctlMonitor, reads_text_as_the_link_says_unless_an_option_does) {
     EXPECT_NE(told.out().find("ģ"), std::string::npos) << told.out();
 }
 
-TEST(AnoctlMonitor, shows_json_of_what_the_filters_take) {
+TEST(AnoctlMonitor, prints_json_of_the_frames_that_pass_the_filters) {
     const support::TempDir folder;
     const std::string path = (folder.path() / "port").string();
     Monitor monitor{{"pty:" + path, "--json", "--id", "wind", "--from", "0xDD", "--count", "1"}};
@@ -150,7 +150,7 @@ TEST(AnoctlMonitor, shows_the_frames_of_one_udp_peer) {
     EXPECT_NE(monitor.out().find("euler"), std::string::npos);
 }
 
-TEST(AnoctlMonitor, waits_for_a_device_that_is_absent_and_ends_well_when_interrupted) {
+TEST(AnoctlMonitor, waits_for_an_absent_device_and_exits_with_0_when_interrupted) {
     const support::TempDir folder;
     Monitor monitor{{"serial:" + (folder.path() / "tty").string()}};
     ASSERT_TRUE(monitor.says("waiting")) << monitor.err();
@@ -164,7 +164,7 @@ TEST(AnoctlMonitor, waits_for_a_device_that_is_absent_and_ends_well_when_interru
     EXPECT_EQ(monitor.exit_code(), 0);
 }
 
-TEST(AnoctlMonitor, a_faulty_link_or_filter_is_told_at_once) {
+TEST(AnoctlMonitor, a_faulty_link_or_filter_is_reported_at_once) {
     Monitor key{{"serial:/dev/x,bauds=9"}};
     EXPECT_EQ(key.exit_code(), 2);
     EXPECT_NE(key.err().find("unknown key 'bauds' (did you mean 'baud'?)"), std::string::npos) << key.err();
@@ -182,7 +182,7 @@ TEST(AnoctlMonitor, a_faulty_link_or_filter_is_told_at_once) {
     EXPECT_EQ(filters.exit_code(), 2);
 }
 
-TEST(AnoctlMonitor, names_the_keys_that_mean_nothing_to_who_only_listens) {
+TEST(AnoctlMonitor, names_the_keys_that_have_no_effect_when_only_receiving) {
     const support::TempDir folder;
     support::PtyDevice device{(folder.path() / "tty").string()};
     Monitor monitor{
@@ -195,7 +195,7 @@ TEST(AnoctlMonitor, names_the_keys_that_mean_nothing_to_who_only_listens) {
     EXPECT_EQ(plain.err().find("no effect"), std::string::npos) << plain.err();
 }
 
-TEST(AnoctlMonitor, says_how_to_watch_a_gateway_that_has_the_link) {
+TEST(AnoctlMonitor, shows_how_to_monitor_a_gateway_that_uses_the_link) {
     const support::TempDir folder;
     const std::string path = (folder.path() / "app").string();
     Monitor first{{"pty:" + path}};
@@ -205,7 +205,7 @@ TEST(AnoctlMonitor, says_how_to_watch_a_gateway_that_has_the_link) {
         << second.err();
 }
 
-TEST(AnoctlMonitor, says_how_to_watch_a_gateway_that_has_the_port) {
+TEST(AnoctlMonitor, shows_how_to_monitor_a_gateway_that_uses_the_port) {
     const support::TempDir folder;
     support::PtyDevice device{(folder.path() / "tty").string()};
     support::Daemon gateway{ANOGATED, (folder.path() / "socket").string(), {"serial:" + device.path() + ",name=fc"}};
@@ -214,7 +214,7 @@ TEST(AnoctlMonitor, says_how_to_watch_a_gateway_that_has_the_port) {
     EXPECT_TRUE(monitor.says("); to watch the gateway that uses it: anoctl monitor, without LINK\n")) << monitor.err();
 }
 
-TEST(AnoctlMonitor, says_why_nothing_is_shown) {
+TEST(AnoctlMonitor, reports_why_nothing_is_shown) {
     const support::TempDir folder;
     support::PtyDevice device{(folder.path() / "tty").string()};
     Monitor monitor{{"serial:" + device.path()}};

@@ -16,7 +16,7 @@ namespace {
 using namespace support;
 using nlohmann::json;
 
-TEST(AnoctlOwnDevice, is_set_up_through_the_gateway_and_by_a_link_of_its_own) {
+TEST(AnoctlOwnDevice, is_configured_through_the_gateway_and_over_a_direct_link) {
     TempDir dir;
     const std::string socket = dir / "control";
     const json config = {{"gateway", {{"id", 21}, {"name", "vehicle"}}},

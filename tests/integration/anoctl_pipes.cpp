@@ -58,14 +58,14 @@ std::string frame_bytes() {
     return {bytes.begin(), bytes.end()};
 }
 
-TEST(AnoctlPipes, a_frame_is_shown_when_it_comes) {
+TEST(AnoctlPipes, a_frame_is_shown_as_soon_as_it_is_received) {
     Piped piped{"decode -"};
     ASSERT_TRUE(piped.write(frame_bytes()));
     EXPECT_TRUE(piped.anoctl().until_says("euler"));
     EXPECT_TRUE(piped.anoctl().is_running());
 }
 
-TEST(AnoctlPipes, a_line_is_encoded_when_it_comes) {
+TEST(AnoctlPipes, a_line_is_encoded_as_soon_as_it_is_received) {
     Piped piped{"encode -"};
     for (const std::string& piece : {json.substr(0, 9), json.substr(9) + json + json.substr(0, 20)})
         ASSERT_TRUE(piped.write(piece));
@@ -151,7 +151,7 @@ TEST(AnoctlTerminal, monitor_cuts_its_lines_to_the_width) {
         }
 }
 
-TEST(AnoctlTerminal, has_colours_unless_no_color_ends_them) {
+TEST(AnoctlTerminal, has_colours_unless_no_color_is_set) {
     for (const char* no_color : {static_cast<const char*>(nullptr), ""})
         EXPECT_NE(on_a_terminal(no_color).find("\x1b["), std::string::npos);
     const std::string plain = on_a_terminal("1");

@@ -45,7 +45,7 @@ protected:
     UdpPeer plotter;
 };
 
-TEST_F(AnoctlPlotUdp, says_the_numbers_of_a_gateways_frames_by_link_address_and_message) {
+TEST_F(AnoctlPlotUdp, sends_the_numbers_in_frames_of_a_gateway_by_link_address_and_message) {
     const std::string socket = dir / "control.sock";
     UdpPeer device, ground;
     Daemon gateway{ANOGATED, socket, {device.link("fc"), ground.link("ground")}};
@@ -70,7 +70,7 @@ TEST_F(AnoctlPlotUdp, says_the_numbers_of_a_gateways_frames_by_link_address_and_
     EXPECT_NE(plot.output().find(" sent to " + there()), std::string::npos) << plot.output();
 }
 
-TEST_F(AnoctlPlotUdp, needs_no_gateway_for_a_link_of_its_own) {
+TEST_F(AnoctlPlotUdp, needs_no_gateway_when_it_opens_the_link) {
     PtyDevice device{dir / "tty"};
     Process plot{ANOCTL, {"plot-udp", there(), "serial:" + device.path(), "--id", "euler"}};
     ASSERT_TRUE(plot.until_says(" is up")) << plot.output();
@@ -93,7 +93,7 @@ void says_once(Process& plot, PtyDevice& device, const std::string& words) {
     EXPECT_EQ(plot.output().find(words), plot.output().rfind(words)) << plot.output();
 }
 
-TEST_F(AnoctlPlotUdp, says_once_that_nobody_listens) {
+TEST_F(AnoctlPlotUdp, reports_once_that_nothing_listens_at_the_target) {
     PtyDevice device{dir / "tty"};
     const std::string nobody = UdpPeer{}.local().text();    // a closed port
     Process plot{ANOCTL, {"plot-udp", nobody, "serial:" + device.path()}};
@@ -104,7 +104,7 @@ TEST_F(AnoctlPlotUdp, says_once_that_nobody_listens) {
     EXPECT_EQ(plot.output().find(" failed: "), std::string::npos) << plot.output();
 }
 
-TEST_F(AnoctlPlotUdp, says_once_that_no_frame_leaves) {
+TEST_F(AnoctlPlotUdp, reports_once_that_no_frame_can_be_sent) {
     PtyDevice device{dir / "tty"};
     const auto cut_off = [] { return ::unshare(CLONE_NEWNET) == 0 || ::unshare(CLONE_NEWUSER | CLONE_NEWNET) == 0; };
     const pid_t child = ::fork();
@@ -119,7 +119,7 @@ TEST_F(AnoctlPlotUdp, says_once_that_no_frame_leaves) {
     EXPECT_NE(plot.output().find(" failed: "), std::string::npos) << plot.output();
 }
 
-TEST_F(AnoctlPlotUdp, refuses_what_is_no_address) {
+TEST_F(AnoctlPlotUdp, rejects_a_target_that_is_not_an_address) {
     for (const char* wrong : {"localhost:9870", "127.0.0.1", "127.0.0.1:0"}) {
         Process plot{ANOCTL, {"plot-udp", wrong}};
         EXPECT_EQ(plot.wait(), 2);

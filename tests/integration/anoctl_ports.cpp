@@ -10,7 +10,7 @@
 namespace anoctl_ports_tests {
 namespace {
 
-TEST(AnoctlPorts, names_the_gateway_that_has_a_port_and_what_to_do) {
+TEST(AnoctlPorts, names_the_gateway_that_uses_a_port_and_shows_what_to_do) {
     const support::TempDir folder;
     const support::PtyDevice device{(folder.path() / "tty").string()};
     support::Daemon gateway{ANOGATED, (folder.path() / "socket").string(), {"serial:" + device.path() + ",name=fc"}};
@@ -23,7 +23,7 @@ TEST(AnoctlPorts, names_the_gateway_that_has_a_port_and_what_to_do) {
         << detection.output();
 }
 
-TEST(AnoctlPorts, detection_ends_at_once_by_interruption) {
+TEST(AnoctlPorts, detection_ends_at_once_when_it_is_interrupted) {
     const support::TempDir folder;
     const support::PtyDevice device{(folder.path() / "tty").string()};
     support::Process detection{ANOCTL, {"ports", "--detect", device.path()}};

@@ -51,7 +51,7 @@ protected:
     Daemon gateway{ANOGATED, socket, {a.link("a"), b.link("b")}};
 };
 
-TEST_F(AnoctlRecord, what_comes_stands_in_the_file_while_it_records_and_when_it_ended) {
+TEST_F(AnoctlRecord, received_frames_are_in_the_file_while_it_records_and_after_it_ends) {
     Process recorder = record({});
     ASSERT_TRUE(until_recorded(3)) << recorder.output();
     EXPECT_FALSE(read_pcapng(text_of(file)).has_end);
@@ -75,7 +75,7 @@ TEST_F(AnoctlRecord, what_comes_stands_in_the_file_while_it_records_and_when_it_
         << recorder.output();
 }
 
-TEST_F(AnoctlRecord, records_what_its_filters_say_and_ends_after_a_time) {
+TEST_F(AnoctlRecord, records_frames_that_pass_its_filters_and_ends_after_the_given_time) {
     Process recorder = record({"--direction", "out", "--link", "b", "--id", "wind", "--seconds", "1", "--json"});
     ASSERT_TRUE(wait_until([&] {
         a.send(gateway.port("a"), euler);
@@ -96,7 +96,7 @@ TEST_F(AnoctlRecord, records_what_its_filters_say_and_ends_after_a_time) {
     EXPECT_EQ(summary["lost"], 0);
 }
 
-TEST_F(AnoctlRecord, a_file_that_is_there_stays_as_it_is) {
+TEST_F(AnoctlRecord, an_existing_file_is_not_overwritten_without_force) {
     dir.write("flight.pcapng", "mine");
     Process recorder = record({});
     EXPECT_EQ(recorder.wait(), 2);
@@ -109,7 +109,7 @@ TEST_F(AnoctlRecord, a_file_that_is_there_stays_as_it_is) {
     EXPECT_TRUE(until_recorded(1)) << forced.output();
 }
 
-TEST_F(AnoctlRecord, a_full_disk_ends_it_in_words_and_what_is_in_the_file_is_whole) {
+TEST_F(AnoctlRecord, a_full_disk_ends_it_with_an_error_and_leaves_whole_frames_in_the_file) {
     Process recorder = record({}, [] {
         const rlimit most{2000, 2000};
         setrlimit(RLIMIT_FSIZE, &most);
@@ -131,7 +131,7 @@ TEST_F(AnoctlRecord, a_full_disk_ends_it_in_words_and_what_is_in_the_file_is_who
         << recorder.output();
 }
 
-TEST_F(AnoctlRecord, what_was_killed_left_whole_frames) {
+TEST_F(AnoctlRecord, leaves_whole_frames_in_the_file_when_it_is_killed) {
     Process recorder = record({});
     ASSERT_TRUE(until_recorded(2)) << recorder.output();
     recorder.signal(SIGKILL);
@@ -140,7 +140,7 @@ TEST_F(AnoctlRecord, what_was_killed_left_whole_frames) {
     EXPECT_EQ(support::anoctl({"info", file}).exit, 0);
 }
 
-TEST_F(AnoctlRecord, a_gateway_that_ends_ends_it_with_a_summary) {
+TEST_F(AnoctlRecord, ends_with_a_summary_when_the_gateway_stops) {
     Process recorder = record({});
     ASSERT_TRUE(until_recorded(1)) << recorder.output();
     gateway.signal(SIGTERM);
@@ -183,7 +183,7 @@ TEST_F(AnoctlRecord, tshark_shows_its_frames_decoded_with_link_direction_and_cau
 }
 
 // While it is stopped, more frames are received than the gateway queues for one client.
-TEST_F(AnoctlRecord, what_the_gateway_had_no_room_for_is_counted_in_the_file_and_at_the_end) {
+TEST_F(AnoctlRecord, frames_that_overflow_the_queue_of_the_gateway_are_counted_in_the_file_and_at_the_end) {
     constexpr std::size_t many = 700, at_once = 25;
     Process recorder = record({});
     ASSERT_TRUE(until_recorded(1)) << recorder.output();
@@ -229,7 +229,7 @@ protected:
 };
 
 // This includes the last frames, even if none follow that would complete their chunk.
-TEST_F(AnoctlRecordMcap, what_comes_stands_in_the_file_within_a_second_and_is_left_when_it_is_killed) {
+TEST_F(AnoctlRecordMcap, received_frames_are_in_the_file_within_a_second_and_remain_when_it_is_killed) {
     Process recorder = record({});
     ASSERT_TRUE(until_recorded(1)) << recorder.output();
     const std::size_t before = items().size();
@@ -241,7 +241,7 @@ TEST_F(AnoctlRecordMcap, what_comes_stands_in_the_file_within_a_second_and_is_le
     EXPECT_EQ(support::anoctl({"info", file}).exit, 0);
 }
 
-TEST_F(AnoctlRecordMcap, is_ended_with_an_index_and_a_summary) {
+TEST_F(AnoctlRecordMcap, ends_the_file_with_an_index_and_a_summary) {
     Process recorder = record({"--json"});
     ASSERT_TRUE(until_recorded(3)) << recorder.output();
     recorder.signal(SIGINT);
@@ -280,7 +280,7 @@ protected:
     UdpPeer peer;
 };
 
-TEST_F(AnoctlReplay, says_what_came_in_in_its_order) {
+TEST_F(AnoctlReplay, replays_received_frames_in_their_order) {
     std::vector<KeptItem> items;
     std::vector<Bytes> expected;
     for (std::uint8_t i = 0; i < 40; ++i) {
@@ -294,7 +294,7 @@ TEST_F(AnoctlReplay, says_what_came_in_in_its_order) {
     EXPECT_NE(replayed.output().find("40 frames replayed\n"), std::string::npos) << replayed.output();
 }
 
-TEST_F(AnoctlReplay, says_what_came_in_of_mcap_as_well) {
+TEST_F(AnoctlReplay, replays_received_frames_of_an_mcap_file_as_well) {
     const std::vector<KeptItem> items{said(euler, 0), said(wind, 1), said(euler, 2, anogate::Direction::out)};
     const std::string file = dir.write("flight.mcap",
                                        support::write_recording(anogate::RecordingFormat::mcap, items, {"anoctl 0.1.0"}));
@@ -303,7 +303,7 @@ TEST_F(AnoctlReplay, says_what_came_in_of_mcap_as_well) {
     EXPECT_EQ(peer.frames(), (std::vector<Bytes>{euler, wind}));
 }
 
-TEST_F(AnoctlReplay, keeps_back_what_commands_a_vehicle_unless_it_is_asked_for) {
+TEST_F(AnoctlReplay, omits_frames_that_command_a_vehicle_unless_they_are_requested) {
     const Bytes command = frame(0x30, 0xDC, 0xC0, {1, 0}), of_host = frame(0xFE, 0xDC, 0x03, {0, 0, 0, 0, 0, 0, 1});
     const std::vector<KeptItem> items{said(command, 0), said(euler, 1), said(of_host, 2)};
     Process kept_back = replay(items);
@@ -316,7 +316,7 @@ TEST_F(AnoctlReplay, keeps_back_what_commands_a_vehicle_unless_it_is_asked_for) 
     EXPECT_NE(all.output().find(R"({"frames":3,"not_sent":0,"kept_back":0})"), std::string::npos) << all.output();
 }
 
-TEST_F(AnoctlReplay, says_why_nothing_is_replayed) {
+TEST_F(AnoctlReplay, reports_why_nothing_is_replayed) {
     Process nothing = replay({});
     EXPECT_EQ(nothing.wait(), 0);
     EXPECT_NE(nothing.output().find("0 frames replayed: the recording has no frames\n"), std::string::npos) << nothing.output();
@@ -326,7 +326,7 @@ TEST_F(AnoctlReplay, says_why_nothing_is_replayed) {
         << sent.output();
 }
 
-TEST_F(AnoctlReplay, says_once_that_nobody_listens) {
+TEST_F(AnoctlReplay, reports_once_that_nothing_listens_at_the_target) {
     const std::string nobody = support::UdpPeer{}.local().text();    // a closed port
     for (const std::size_t count : {std::size_t{1}, std::size_t{200}}) {
         const std::vector<KeptItem> items(count, said(euler, 0));

@@ -34,7 +34,7 @@ protected:
     }
 };
 
-TEST_F(AnoctlRecordings, say_of_several_files_what_is_in_which) {
+TEST_F(AnoctlRecordings, of_several_files_show_the_totals_and_the_current_file) {
     start(R"(, "record": {"start": false, "rotate": {"size": "20kB"}})");
     expect(anoctl({"recordings", "start", "one"}), 0, "one.pcapng started");
     send_numbered(10);
@@ -57,7 +57,7 @@ TEST_F(AnoctlRecordings, say_of_several_files_what_is_in_which) {
     expect(anoctl({"recordings", "end", "flight"}), 0, "flight stopped, " + sum);
 }
 
-TEST_F(AnoctlRecordings, are_fetched_and_deleted_by_their_name_without_its_ending_where_that_says_which) {
+TEST_F(AnoctlRecordings, are_fetched_and_deleted_by_name_without_extension_if_it_is_unambiguous) {
     start(R"(, "record": {"start": false, "rotate": {"size": "20kB"}})");
     begin({{"name", "one"}, {"format", "mcap"}});
     send_numbered(10);
@@ -80,7 +80,7 @@ TEST_F(AnoctlRecordings, are_fetched_and_deleted_by_their_name_without_its_endin
     expect(anoctl({"recordings", "delete", "flihgt.pcapng"}), 1, "did you mean 'flight.pcapng'?");
 }
 
-TEST_F(AnoctlRecordings, have_no_name_that_ends_as_another_format) {
+TEST_F(AnoctlRecordings, cannot_have_the_extension_of_another_format) {
     start(R"(, "record": {"start": false, "keep_last": "60s"})");
     for (const char* action : {"start", "save"})
         expect(anoctl({"recordings", action, "flight.csv"}), 2, "flight.csv: recordings are pcapng");

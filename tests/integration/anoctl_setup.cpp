@@ -42,7 +42,7 @@ protected:
     PtyDevice device{dir / "tty"};
 };
 
-TEST_F(AnoctlSetup, writes_a_configuration_that_the_gateway_takes_and_starts_the_service) {
+TEST_F(AnoctlSetup, writes_a_configuration_that_the_gateway_accepts_and_starts_the_service) {
     const Result done = setup({device.path(), "--baud", "115200", "--yes"});
     ASSERT_EQ(done.exit, 0) << done.said;
     EXPECT_NE(done.said.find("systemctl enable anogated\nsystemctl restart anogated\n"), std::string::npos) << done.said;
@@ -71,14 +71,14 @@ TEST_F(AnoctlSetup, opens_the_page_signed_in) {
         << process.output();
 }
 
-TEST_F(AnoctlSetup, keeps_the_configuration_that_was_there) {
+TEST_F(AnoctlSetup, keeps_a_copy_of_the_previous_configuration) {
     dir.write("anogate.json", "{\"links\": [\"sim:fc\"]}");
     ASSERT_EQ(setup({device.path(), "--baud", "115200", "--yes"}).exit, 0);
     EXPECT_EQ(text_of(config + ".old"), "{\"links\": [\"sim:fc\"]}");
     EXPECT_EQ(written().at("links").at(0).at("device"), device.path());
 }
 
-TEST_F(AnoctlSetup, finds_the_rate_by_listening) {
+TEST_F(AnoctlSetup, detects_the_rate_from_received_frames) {
     Process process{ANOCTL, {"setup", "--into", config, device.path(), "--yes"}, {"PATH=" + dir.path().string(), "DISPLAY="}};
     const std::vector<std::uint8_t> frame{0xAB, 0xFE, 0xFF, 0x03, 0x00, 0x00, 0xAB, 0xFD};
     ASSERT_TRUE(wait_until([&] {
@@ -90,14 +90,14 @@ TEST_F(AnoctlSetup, finds_the_rate_by_listening) {
     EXPECT_EQ(written().at("links").at(0).at("baud"), 500000) << "the first rate: a pseudo-terminal has none";
 }
 
-TEST_F(AnoctlSetup, changes_nothing_when_it_can_not_ask) {
+TEST_F(AnoctlSetup, changes_nothing_when_it_cannot_ask_for_confirmation) {
     const Result refused = setup({device.path()});
     EXPECT_EQ(refused.exit, 2);
     EXPECT_NE(refused.said.find("use --yes"), std::string::npos) << refused.said;
     EXPECT_FALSE(std::filesystem::exists(config));
 }
 
-TEST_F(AnoctlSetup, says_what_is_wrong_with_a_service_that_does_not_start) {
+TEST_F(AnoctlSetup, shows_how_to_find_out_why_the_service_does_not_start) {
     dir.write("systemctl", "#!/bin/sh\nexit 1\n");
     const Result failed = setup({device.path(), "--baud", "115200", "--yes"});
     EXPECT_EQ(failed.exit, 1);

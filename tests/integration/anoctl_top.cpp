@@ -46,7 +46,7 @@ protected:
     Daemon gateway{ANOGATED, socket, {peer.link("peer"), "serial:" + (dir / "absent") + ",name=fc"}};
 };
 
-TEST_F(TopInTmux, shows_channels_and_addresses_and_gives_the_terminal_back) {
+TEST_F(TopInTmux, shows_channels_and_addresses_and_restores_the_terminal) {
     EXPECT_TRUE(shows("0xDC flight controller")) << screen();
     EXPECT_TRUE(shows("IN/s")) << screen();
     EXPECT_TRUE(shows("link_down")) << screen();
@@ -60,7 +60,7 @@ TEST_F(TopInTmux, shows_channels_and_addresses_and_gives_the_terminal_back) {
     EXPECT_TRUE(shows("echo shown\nshown\n")) << "what is typed is shown again: " << screen();
 }
 
-TEST_F(TopInTmux, follows_the_size_and_ends_with_the_gateway) {
+TEST_F(TopInTmux, adapts_to_the_window_size_and_ends_with_the_gateway) {
     EXPECT_TRUE(shows("q quit")) << screen();
     tmux("resize-window -t top -x 40 -y 10");
     EXPECT_TRUE(wait_until([&] {
@@ -72,7 +72,7 @@ TEST_F(TopInTmux, follows_the_size_and_ends_with_the_gateway) {
     EXPECT_NE(screen().find("anoctl: "), std::string::npos) << screen();
 }
 
-TEST_F(TopInTmux, an_interrupt_gives_the_terminal_back) {
+TEST_F(TopInTmux, an_interrupt_restores_the_terminal) {
     EXPECT_TRUE(shows("q quit")) << screen();
     tmux("send-keys -t top C-c");
     EXPECT_TRUE(wait_until([&] { return screen().find("ended as 0") != std::string::npos; })) << screen();

@@ -58,7 +58,7 @@ protected:
     std::unique_ptr<Daemon> daemon;
 };
 
-TEST_F(AnoctlWeb, says_where_a_gateway_answers_and_where_its_tokens_are) {
+TEST_F(AnoctlWeb, shows_the_urls_of_a_gateway_and_its_token_file) {
     start(R"({"http": "0.0.0.0:0", "hosts": ["vehicle.lan"], "token_file": ")" + (dir / "mine") + "\"}");
     const Result told = web({"--json"});
     ASSERT_EQ(told.exit, 0) << told.said;
@@ -89,7 +89,7 @@ TEST_F(AnoctlWeb, never_shows_a_token) {
     EXPECT_EQ(told.find(secret), std::string::npos) << told;
 }
 
-TEST_F(AnoctlWeb, of_a_loopback_address_says_how_another_computer_gets_there) {
+TEST_F(AnoctlWeb, of_a_loopback_address_shows_how_another_computer_can_connect) {
     start(R"({"http": "127.0.0.1:0"})");
     const std::string port = std::to_string(daemon->status().at("http").at("port").get<int>());
     const Result told = web({});
@@ -100,7 +100,7 @@ TEST_F(AnoctlWeb, of_a_loopback_address_says_how_another_computer_gets_there) {
     EXPECT_NE(told.said.find("ssh -L " + port + ":127.0.0.1:" + port + " "), std::string::npos) << told.said;
 }
 
-TEST_F(AnoctlWeb, says_how_http_is_switched_on) {
+TEST_F(AnoctlWeb, shows_how_to_switch_http_on) {
     start("{}");
     const Result off = web({});
     EXPECT_EQ(off.exit, 1);
@@ -113,7 +113,7 @@ TEST_F(AnoctlWeb, says_how_http_is_switched_on) {
     EXPECT_EQ(as_json.said.find("{\"urls\":[],\"state\":\"off\"}\n"), 0u) << as_json.said;
 }
 
-TEST_F(AnoctlWeb, says_why_the_door_is_shut) {
+TEST_F(AnoctlWeb, reports_why_http_is_off) {
     start(R"({"http": "127.0.0.1:0", "tls": {"certificate": ")" + (dir / "none") + R"(", "key": ")" + (dir / "none") + "\"}}");
     const Result shut = web({});
     EXPECT_EQ(shut.exit, 1);
@@ -121,7 +121,7 @@ TEST_F(AnoctlWeb, says_why_the_door_is_shut) {
 }
 
 // The browser reads a file of its user and signs in; the code is on no command line.
-TEST_F(AnoctlWeb, opens_a_browser_on_this_computer_that_is_signed_in) {
+TEST_F(AnoctlWeb, opens_a_signed_in_browser_on_this_computer) {
     const std::uint16_t port = start_with_tokens();
     write_signing_browser(dir, port);
     const std::vector<std::string> environment{"PATH=" + dir.path().string() + ":/usr/bin:/bin", "HOME=" + dir.path().string(),
@@ -205,7 +205,7 @@ TEST_F(AnoctlWeb, of_a_loopback_address_shows_no_qr_code) {
     EXPECT_EQ(web({"--qr", "--pair"}).exit, 2);
 }
 
-TEST_F(AnoctlWeb, makes_a_certificate_that_the_gateway_takes_and_clients_trust) {
+TEST_F(AnoctlWeb, makes_a_certificate_that_the_gateway_accepts_and_clients_trust) {
     const Result made = web({"--make-certificate", "--into", dir / "", "--json"});    // no gateway runs
     ASSERT_EQ(made.exit, 0) << made.said;
     const json facts = json::parse(made.said);
@@ -232,7 +232,7 @@ TEST_F(AnoctlWeb, makes_a_certificate_that_the_gateway_takes_and_clients_trust) 
         << told.said;
 }
 
-TEST_F(AnoctlWeb, tells_what_to_configure_for_its_certificate) {
+TEST_F(AnoctlWeb, shows_what_to_configure_for_its_certificate) {
     const Result made = web({"--make-certificate", "--into", dir.path().string()});
     ASSERT_EQ(made.exit, 0) << made.said;
     EXPECT_NE(made.said.find("    \"control\": {\"tls\": {\"certificate\":\"" + (dir / "certificate.pem") + "\",\"key\":\"" +
@@ -243,7 +243,7 @@ TEST_F(AnoctlWeb, tells_what_to_configure_for_its_certificate) {
         EXPECT_NE(made.said.find(word), std::string::npos) << word << " in\n" << made.said;
 }
 
-TEST_F(AnoctlWeb, never_writes_over_a_certificate_and_says_where_it_may_not_write) {
+TEST_F(AnoctlWeb, never_overwrites_a_certificate_and_reports_folders_it_cannot_write_to) {
     dir.write("key.pem", "mine");
     const Result there = web({"--make-certificate", "--into", dir.path().string()});
     EXPECT_EQ(there.exit, 1);

@@ -83,7 +83,7 @@ TEST(BackPressure, a_reader_of_a_few_bytes_at_a_time_gets_whole_frames_only) {
     EXPECT_EQ(last, n - 1) << "the newest is not what was dropped";
 }
 
-TEST(BackPressure, a_reader_that_stops_and_comes_back_gets_whole_frames_only) {
+TEST(BackPressure, a_reader_that_pauses_and_resumes_receives_only_whole_frames) {
     const TempDir dir;
     PtyDevice slow{dir / "slow"}, other{dir / "other"};
     RunningGateway daemon{unpaced("slow", slow.path()), unpaced("other", other.path()), udp_listen("air")};
@@ -139,7 +139,7 @@ TEST(BackPressure, a_reader_unplugged_in_the_middle_of_a_frame_starts_with_a_who
 }
 
 // A full wire is noticed because it accepts no more bytes, paced or not: from then on newer telemetry replaces older.
-TEST(BackPressure, a_stuck_reader_that_is_not_paced_gets_the_newest_and_is_heard_of_again_by_itself) {
+TEST(BackPressure, a_stuck_reader_without_pacing_receives_the_newest_telemetry_once_it_reads_again) {
     const TempDir dir;
     PtyDevice stuck{dir / "stuck"};
     RunningGateway daemon{unpaced("stuck", stuck.path()), udp_listen("air")};
@@ -170,7 +170,7 @@ TEST(BackPressure, a_stuck_reader_that_is_not_paced_gets_the_newest_and_is_heard
 }
 
 // The rest of the time is for frames that wait.
-TEST(BackPressure, nothing_is_read_while_the_end_waits_for_a_slow_reader) {
+TEST(BackPressure, nothing_is_read_while_the_shutdown_waits_for_a_slow_reader) {
     const TempDir dir;
     PtyDevice stuck{dir / "stuck"}, device{dir / "device"};
     UdpPeer fixed, air, late;

@@ -95,7 +95,7 @@ TEST_F(Change, commands_for_a_device_of_a_changed_link_do_not_reach_others) {
 }
 
 // 10,000 numbered frames each way between a serial port and a listening peer, while all other links change 50 times.
-TEST_F(Change, links_that_stay_lose_nothing_in_fifty_changes) {
+TEST_F(Change, unchanged_links_lose_no_frame_in_fifty_changes) {
     constexpr int frames = 10'000, changes = 50;
     stay_on_one_processor();
     PtyDevice device{dir / "fc"};
@@ -151,7 +151,7 @@ TEST_F(Change, links_that_stay_lose_nothing_in_fifty_changes) {
     EXPECT_TRUE(gateway->counters_add_up());
 }
 
-TEST_F(Change, a_changed_link_begins_anew_and_one_that_is_gone_is_forgotten) {
+TEST_F(Change, a_changed_link_starts_again_and_a_removed_one_is_forgotten) {
     PtyDevice device{dir / "fc"}, other{dir / "gps"};
     UdpPeer peer;
     Settings settings = settings_of(
@@ -179,7 +179,7 @@ TEST_F(Change, a_changed_link_begins_anew_and_one_that_is_gone_is_forgotten) {
     EXPECT_TRUE(gateway->until([&] { return gateway->count("again", "frames_in") == 1; }));
 }
 
-TEST_F(Change, two_links_may_change_their_places) {
+TEST_F(Change, two_links_can_swap_their_ports) {
     PtyDevice one{dir / "one"}, two{dir / "two"};
     auto a = udp_listen("a"), b = udp_listen("b");
     Settings settings = settings_of({serial("s1", one.path()), serial("s2", two.path()), a, b});
@@ -197,7 +197,7 @@ TEST_F(Change, two_links_may_change_their_places) {
     EXPECT_TRUE(gateway->until([&] { return gateway->count("s1", "frames_in") == 1; }));
 }
 
-TEST_F(Change, what_waits_in_a_link_that_goes_leaves_first) {
+TEST_F(Change, frames_queued_on_a_removed_link_are_sent_first) {
     PtyDevice slow{dir / "slow"};
     auto port = serial("slow", slow.path());
     port.as<anogate::SerialSettings>().baud = 9600;    // 1 kB/s: sending takes a while
@@ -221,7 +221,7 @@ TEST_F(Change, what_waits_in_a_link_that_goes_leaves_first) {
     EXPECT_TRUE(rest.empty());
 }
 
-TEST_F(Change, who_takes_nothing_is_not_waited_for_long) {
+TEST_F(Change, a_removed_link_that_accepts_nothing_is_not_waited_for_long) {
     PtyDevice stuck{dir / "stuck"};
     auto port = serial("stuck", stuck.path());
     port.as<anogate::SerialSettings>().pace = anogate::Pace::off;
@@ -247,7 +247,7 @@ TEST_F(Change, who_takes_nothing_is_not_waited_for_long) {
     EXPECT_TRUE(gateway->until([&] { return gateway->count("ground", "frames_in") == came + 1; }));
 }
 
-TEST_F(Change, half_a_frame_waits_for_its_other_half) {
+TEST_F(Change, half_a_frame_received_before_a_change_is_completed_after_it) {
     PtyDevice device{dir / "fc"};
     UdpPeer peer;
     Settings settings = settings_of({serial("fc", device.path()), udp("ground", peer.local().text())});
@@ -275,7 +275,7 @@ TEST_F(Change, half_a_frame_waits_for_its_other_half) {
     EXPECT_EQ(gateway->count("fc", "skipped_bytes"), 0u);
 }
 
-TEST_F(Change, a_device_that_is_absent_is_waited_for_by_the_link_that_names_it_now) {
+TEST_F(Change, a_changed_link_waits_for_its_new_device) {
     Settings settings = settings_of({serial("fc", dir / "old")});
     start(settings);
     ASSERT_TRUE(gateway->until_waiting("fc"));
@@ -287,7 +287,7 @@ TEST_F(Change, a_device_that_is_absent_is_waited_for_by_the_link_that_names_it_n
     EXPECT_EQ(gateway->link("fc").at("device"), device.path());
 }
 
-TEST_F(Change, a_required_link_is_one_at_the_start_only) {
+TEST_F(Change, a_link_counts_as_required_at_the_start_only) {
     Settings settings = settings_of({sim("fc")});
     settings.links[0].required = true;
     start(settings);
@@ -343,7 +343,7 @@ TEST_F(Change, routes_aliases_and_unknown_follow_the_links) {
     EXPECT_TRUE(hears(a, numbered(gps, 51, 2)));
 }
 
-TEST_F(Change, groups_keep_apart_and_together) {
+TEST_F(Change, links_share_a_group_exactly_if_their_group_names_are_equal) {
     UdpPeer a, b, c;
     PtyDevice device{dir / "fc"};
     Settings settings = settings_of({serial("fc", device.path()), udp("a", a.local().text()), udp("b", b.local().text())});
@@ -375,7 +375,7 @@ TEST_F(Change, groups_keep_apart_and_together) {
     EXPECT_GT(number_of("a"), 0);
 }
 
-TEST_F(Change, the_tunnel_stays_or_begins_anew) {
+TEST_F(Change, the_tunnel_stays_or_restarts) {
     PtyDevice device{dir / "fc"}, other{dir / "radio"};
     UdpPeer peer;
     Settings settings = settings_of({serial("fc", device.path())});
@@ -421,7 +421,7 @@ TEST_F(Change, the_tunnel_stays_or_begins_anew) {
     EXPECT_TRUE(gateway->until([&] { return gateway->count("radio", "frames_in") == 2; }));
 }
 
-TEST_F(Change, gpio_lines_come_and_go) {
+TEST_F(Change, gpio_lines_are_added_and_removed) {
     PtyDevice device{dir / "fc"};
     UdpPeer peer;
     Settings settings = settings_of({serial("fc", device.path()), udp_listen("ground")});
@@ -462,7 +462,7 @@ TEST_F(Change, gpio_lines_come_and_go) {
     EXPECT_EQ(gateway->status().at("gpio").size(), 0u);
 }
 
-TEST_F(Change, a_link_gets_its_channel_also_where_peers_have_them_all) {
+TEST_F(Change, a_new_link_gets_a_channel_even_if_peers_use_them_all) {
     PtyDevice device{dir / "fc"};
     std::vector<anogate::LinkSettings> listening;
     for (const char* name : {"a", "b", "c", "d"}) {
@@ -486,7 +486,7 @@ TEST_F(Change, a_link_gets_its_channel_also_where_peers_have_them_all) {
     EXPECT_TRUE(gateway->until([&] { return gateway->count("fc", "frames_in") == 1; }));
 }
 
-TEST_F(Change, an_end_while_links_go_is_an_end) {
+TEST_F(Change, a_stop_while_links_are_removed_ends_the_gateway_without_finishing_the_change) {
     PtyDevice stuck{dir / "stuck"};
     UdpPeer peer;
     Settings settings = settings_of({serial("stuck", stuck.path()), udp_listen("ground")});
@@ -504,7 +504,7 @@ TEST_F(Change, an_end_while_links_go_is_an_end) {
 }
 
 // The port is readable and writable when the link is removed: one of these calls is queued after the change.
-TEST_F(Change, a_call_that_the_loop_holds_already_finds_its_link) {
+TEST_F(Change, a_queued_callback_of_a_removed_link_still_finds_its_link) {
     PtyDevice device{dir / "fc"};
     auto port = serial("fc", device.path());
     port.as<anogate::SerialSettings>().pace = anogate::Pace::off;
@@ -527,7 +527,7 @@ TEST_F(Change, a_call_that_the_loop_holds_already_finds_its_link) {
 }
 
 // Calls that the loop still holds for a removed link must access no destroyed object; all are due at once.
-TEST_F(Change, calls_that_were_under_way_find_no_ghost) {
+TEST_F(Change, pending_callbacks_of_removed_links_access_no_destroyed_object) {
     PtyDevice device{dir / "fc"};
     UdpPeer peer, listener;
     Settings without = settings_of({udp_listen("stays")});

@@ -269,7 +269,7 @@ TEST_F(ControlInterface, answers_every_route_of_its_list) {
     EXPECT_EQ(tested, there);
 }
 
-TEST_F(ControlInterface, refuses_in_one_form) {
+TEST_F(ControlInterface, reports_all_errors_in_one_form) {
     refuses("GET", "/statsu", 404, "unknown", "did you mean '/status'?");
     refuses("POST", "/status", 405, "unsupported", "only GET, HEAD");
     refuses("GET", "/status?a=%", 400, "invalid", "the query has a %");

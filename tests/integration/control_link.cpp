@@ -57,7 +57,7 @@ protected:
 
 const Bytes from_program = frame(0xA1, 0xFF, 0x03, {1, 2, 3, 4, 5, 6, 7});
 
-TEST_F(ControlLinkOfOnePeer, is_not_there_until_it_is_used) {
+TEST_F(ControlLinkOfOnePeer, does_not_exist_until_it_is_used) {
     EXPECT_FALSE(has_link(door, "control"));
     EXPECT_EQ(door.ask("GET", "/link").status, 426u);
     EXPECT_FALSE(has_link(door, "control"));
@@ -88,7 +88,7 @@ TEST_F(ControlLinkOfOnePeer, a_program_is_a_channel_like_any_other) {
     EXPECT_EQ(door.gateway.count("control", "frames_in"), 2u);
 }
 
-TEST_F(ControlLinkOfOnePeer, bytes_that_are_no_whole_frame_are_counted_and_told) {
+TEST_F(ControlLinkOfOnePeer, bytes_that_are_not_a_whole_frame_are_counted_and_reported) {
     Ear program{door, "/link"};
     ASSERT_TRUE(until_open(program) && until_channels(1));
     Bytes half = from_program;
@@ -109,7 +109,7 @@ TEST_F(ControlLinkOfOnePeer, bytes_that_are_no_whole_frame_are_counted_and_told)
     EXPECT_EQ(program.texts().size(), 2u);
 }
 
-TEST_F(ControlLinkOfOnePeer, a_program_may_bear_a_port_id) {
+TEST_F(ControlLinkOfOnePeer, a_program_can_have_a_port_id) {
     Ear program{door, "/link?name=camera&id=7"}, other{door, "/link"};
     ASSERT_TRUE(until_open(program) && until_open(other) && until_channels(2));
     const Bytes to_port = frame(0xDC, 7, 0x03, {1, 2, 3, 4, 5, 6, 7});
@@ -131,7 +131,7 @@ TEST_F(ControlLinkOfOnePeer, a_program_may_bear_a_port_id) {
     EXPECT_TRUE(until_open(next));
 }
 
-TEST_F(ControlLinkOfOnePeer, a_program_whose_port_id_somebody_else_gets_is_closed) {
+TEST_F(ControlLinkOfOnePeer, a_program_is_closed_when_a_link_or_the_gateway_gets_its_port_id) {
     Ear camera{door, "/link?id=7"}, lamp{door, "/link?id=8"}, radio{door, "/link?id=9"};
     ASSERT_TRUE(until_open(camera) && until_open(lamp) && until_open(radio) && until_channels(3));
     anogate::Gateway& gateway = door.gateway.gateway();
@@ -148,7 +148,7 @@ TEST_F(ControlLinkOfOnePeer, a_program_whose_port_id_somebody_else_gets_is_close
     EXPECT_FALSE(radio.ended) << "its id is its own";
 }
 
-TEST_F(ControlLinkOfOnePeer, a_program_that_does_not_read_has_a_queue_with_a_bound) {
+TEST_F(ControlLinkOfOnePeer, a_program_that_does_not_read_has_a_bounded_queue) {
     const int fd = connect_unix(door.path);
     ASSERT_GE(fd, 0);
     const std::string request =
@@ -172,7 +172,7 @@ TEST_F(ControlLinkOfOnePeer, a_program_that_does_not_read_has_a_queue_with_a_bou
     EXPECT_TRUE(until_channels(1));
 }
 
-TEST(ControlLink, rules_are_those_of_any_link) {
+TEST(ControlLink, supports_the_same_rules_as_any_other_link) {
     UdpPeer peer;
     anogate::Settings settings = settings_of_texts({peer.link("peer")});
     settings.control.rules.receive.deny = {{0x09, 0x09}};
@@ -194,7 +194,7 @@ TEST(ControlLink, rules_are_those_of_any_link) {
     EXPECT_EQ(door.gateway.count("control", "denied_in"), 2u);
 }
 
-TEST_F(ControlLinkOfOnePeer, a_frame_that_is_sent_leaves_by_the_links_that_the_answer_names) {
+TEST_F(ControlLinkOfOnePeer, the_answer_names_the_links_that_sent_a_frame) {
     const Bytes command = frame(0xFE, 0xDC, 0xE0, {0, 1, 0});
     const Answer sent = door.ask("POST", "/send", R"({"hex": ")" + hex_of(command) + R"("})");
     EXPECT_EQ(sent.status, 200u) << sent.body;
@@ -209,7 +209,7 @@ TEST_F(ControlLinkOfOnePeer, a_frame_that_is_sent_leaves_by_the_links_that_the_a
     EXPECT_TRUE(hears(command + frame(0xFE, 0xFF, 0x09, {1, 0, 0, 0})));
 }
 
-TEST_F(ControlLinkOfOnePeer, a_frame_that_is_sent_teaches_no_address) {
+TEST_F(ControlLinkOfOnePeer, a_sent_frame_does_not_change_routing) {
     Ear program{door, "/link"};
     ASSERT_TRUE(until_open(program) && until_channels(1));
     EXPECT_EQ(door.ask("POST", "/send", R"({"from": 254, "to": 255, "name": "wind"})").status, 200u);
@@ -226,7 +226,7 @@ TEST_F(ControlLinkOfOnePeer, a_frame_that_is_sent_teaches_no_address) {
     EXPECT_EQ(after.at("routes").size(), before.at("routes").size());
 }
 
-TEST_F(ControlLinkOfOnePeer, what_can_not_be_sent_is_told_in_words) {
+TEST_F(ControlLinkOfOnePeer, a_frame_that_cannot_be_sent_is_reported_with_the_reason) {
     const auto refused = [&](const std::string& body, unsigned status) {
         const Answer answer = door.ask("POST", "/send", body);
         EXPECT_EQ(answer.status, status) << answer.body;
@@ -251,7 +251,7 @@ TEST_F(ControlLinkOfOnePeer, what_can_not_be_sent_is_told_in_words) {
     EXPECT_TRUE(peer.heard().empty());
 }
 
-TEST(ControlLink, a_request_that_waited_through_a_standstill_is_not_carried_out) {
+TEST(ControlLink, a_request_that_waited_during_a_stall_is_not_carried_out) {
     UdpPeer peer;
     TempDir dir;
     const std::string socket = dir / "control.sock";

@@ -39,7 +39,7 @@ struct Pair {
     std::size_t said = 0;
 };
 
-TEST(Damage, a_false_header_before_eight_good_frames_costs_none_of_them) {
+TEST(Damage, a_false_header_does_not_lose_the_eight_good_frames_after_it) {
     Pair pair;
     Bytes expected;
     for (std::uint8_t round = 0; round < 80; ++round) {
@@ -52,7 +52,7 @@ TEST(Damage, a_false_header_before_eight_good_frames_costs_none_of_them) {
     EXPECT_EQ(pair.b.heard(), expected);
 }
 
-TEST(Damage, a_false_header_in_a_steady_stream_holds_nothing_up_for_long) {
+TEST(Damage, a_false_header_in_a_steady_stream_delays_frames_for_less_than_two_seconds) {
     Pair pair;
     ASSERT_TRUE(pair.say(hex("AB DC FE 01 FF 0F")));
     const auto begin = anogate::Clock::now();
@@ -70,7 +70,7 @@ TEST(Damage, a_false_header_in_a_steady_stream_holds_nothing_up_for_long) {
     EXPECT_TRUE(pair.daemon->until([&] { return pair.b.heard() == expected; }));
 }
 
-TEST(Damage, a_mebibyte_of_noise_forwards_nothing_and_teaches_nothing) {
+TEST(Damage, a_mebibyte_of_noise_is_not_forwarded_and_adds_no_route) {
     Pair pair;
     Random random{7};
     Bytes noise(1 << 20);
@@ -85,7 +85,7 @@ TEST(Damage, a_mebibyte_of_noise_forwards_nothing_and_teaches_nothing) {
     EXPECT_EQ(pair.daemon->count("a", "skipped_bytes"), noise.size());
 }
 
-TEST(Damage, one_bad_bit_costs_one_frame) {
+TEST(Damage, one_wrong_bit_loses_only_one_frame) {
     Pair pair;
     Random random{1};
     Bytes stream, expected;
@@ -100,7 +100,7 @@ TEST(Damage, one_bad_bit_costs_one_frame) {
     EXPECT_EQ(pair.b.heard(), expected);
 }
 
-TEST(Damage, the_largest_frame_there_is_passes_where_it_is_allowed) {
+TEST(Damage, the_largest_possible_frame_passes_where_it_is_allowed) {
     Pair pair{65535};
     Bytes data(65535);
     Random random{3};
@@ -111,14 +111,14 @@ TEST(Damage, the_largest_frame_there_is_passes_where_it_is_allowed) {
     EXPECT_TRUE(pair.b.heard() == image);
 }
 
-TEST(Damage, a_longer_frame_than_allowed_is_refused_from_its_header) {
+TEST(Damage, a_frame_longer_than_allowed_is_rejected_by_its_header) {
     Pair pair{200};
     ASSERT_TRUE(pair.say(frame(0xDF, 0xFE, 0xB0, Bytes(201, 0)) + vendor::i_am_an_mcu));
     EXPECT_TRUE(pair.daemon->until([&] { return pair.b.heard() == vendor::i_am_an_mcu; }));
     EXPECT_EQ(pair.daemon->count("a", "bad_length"), 1u);
 }
 
-TEST(Damage, the_start_of_a_frame_before_an_unplug_is_not_joined_to_what_comes_after) {
+TEST(Damage, the_start_of_a_frame_before_an_unplug_is_not_joined_to_bytes_after_it) {
     Pair pair;
     ASSERT_TRUE(pair.say(std::span{vendor::i_am_an_mcu}.first(12)));
     pair.a.unplug();

@@ -35,7 +35,7 @@ protected:
     const std::string link = "serial:" + (dir / "fc") + ",baud=115200,name=fc";
 };
 
-TEST_F(DeafDevice, every_operation_of_a_gateway_succeeds_with_a_damaged_header_before_it) {
+TEST_F(DeafDevice, every_operation_of_a_gateway_succeeds_after_a_damaged_header) {
     const std::string socket = dir / "control.sock";
     const std::string config = dir.write("anogate.json", R"({"links": [")" + link + R"("]})");
     Daemon daemon{ANOGATED, socket, {"--config", config}, {"STATE_DIRECTORY=" + (dir / "state")}};
@@ -79,7 +79,7 @@ TEST_F(DeafDevice, a_hello_reaches_one_that_sends_nothing_before_it_is_asked) {
     EXPECT_EQ(std::count(heard.begin(), zeros, 0xAB), 2) << "before the third";
 }
 
-TEST_F(DeafDevice, without_a_gateway_it_is_read_as_well) {
+TEST_F(DeafDevice, is_read_without_a_gateway_as_well) {
     device.disturb();
     Process list{ANOCTL, {"param", "list", "--device", "0xDC", "--link", link}};
     EXPECT_EQ(list.wait(), 0) << list.output();
@@ -88,7 +88,7 @@ TEST_F(DeafDevice, without_a_gateway_it_is_read_as_well) {
 }
 
 // Eight questions need 0.3 s to be sent.
-TEST_F(DeafDevice, what_waits_for_its_turn_on_a_slow_link_is_not_asked_again) {
+TEST_F(DeafDevice, requests_that_wait_for_their_turn_on_a_slow_link_are_not_repeated) {
     const std::string socket = dir / "control.sock";
     const std::string config = dir.write("anogate.json", R"({"links": [")" + link + R"(,rate=300"]})");
     Daemon daemon{ANOGATED, socket, {"--config", config}, {"STATE_DIRECTORY=" + (dir / "state")}};
@@ -100,7 +100,7 @@ TEST_F(DeafDevice, what_waits_for_its_turn_on_a_slow_link_is_not_asked_again) {
     EXPECT_LE(device.frames(), 3 + 2 * 20 + 10u) << "hardly any twice, however busy this machine is";
 }
 
-TEST(VendorParser, of_a_simulated_device_is_no_obstacle) {
+TEST(VendorParser, of_a_simulated_device_does_not_block_reading_its_parameters) {
     const TempDir dir;
     const std::string socket = dir / "control.sock";
     const std::string config = dir.write("anogate.json", R"({"links": ["sim:fc,parser=vendor,corrupt=10,seed=3"]})");

@@ -101,7 +101,7 @@ struct UdpDevice {
     FakeDevice fake;
 };
 
-TEST_F(Devices, who_was_heard_is_listed) {
+TEST_F(Devices, that_were_seen_are_listed) {
     const Told told = ask("GET", "/devices");
     EXPECT_EQ(told.status, 200u);
     ASSERT_EQ(told.body.at("devices").size(), 1u) << told.body;
@@ -131,7 +131,7 @@ TEST_F(Devices, parameters_are_read_and_written) {
         << "it does not even acknowledge";
 }
 
-TEST_F(Devices, what_is_applied_is_undone_when_one_fails) {
+TEST_F(Devices, applied_parameters_are_undone_when_one_fails) {
     const json before = value("SIM_TURN");
     const Told told = ask("POST", "/devices/0xDC/apply", R"({"parameters": {"SIM_TURN": 7, "SIM_SERIAL": 1}, "rollback": true})");
     EXPECT_EQ(told.status, 504u) << told.body;
@@ -141,7 +141,7 @@ TEST_F(Devices, what_is_applied_is_undone_when_one_fails) {
     EXPECT_EQ(value("SIM_TURN"), 7);
 }
 
-TEST_F(Devices, a_job_is_told_line_by_line_and_kept) {
+TEST_F(Devices, a_job_is_reported_line_by_line_and_stored) {
     const std::vector<json> all = lines("GET", "/devices/0xDC/parameters");
     ASSERT_GE(all.size(), 2u);
     EXPECT_EQ(all.front().at("state"), "running");
@@ -157,7 +157,7 @@ TEST_F(Devices, a_job_is_told_line_by_line_and_kept) {
 }
 
 // Two clients and a ground station, all with the same host address.
-TEST_F(Devices, nobody_gets_what_another_asked_for_and_nobody_waits_for_ever) {
+TEST_F(Devices, clients_with_the_same_address_each_receive_their_answers_and_none_waits_forever) {
     const std::uint16_t port = daemon.port("ground");
     const auto read = [&] { return ask("GET", "/devices/0xDC/parameters"); };
     auto one = std::async(std::launch::async, read), two = std::async(std::launch::async, read);
@@ -176,7 +176,7 @@ TEST_F(Devices, nobody_gets_what_another_asked_for_and_nobody_waits_for_ever) {
     EXPECT_EQ(first.body.at("parameters"), second.body.at("parameters"));
 }
 
-TEST_F(Devices, the_way_of_hosts_stays_as_it_is) {
+TEST_F(Devices, operations_do_not_change_the_routes_of_hosts) {
     const json before = ask("GET", "/routes").body;
     ASSERT_EQ(ask("GET", "/devices/0xDC/parameters").status, 200u);
     ASSERT_EQ(ask("PUT", "/devices/0xDC/parameters/SIM_TURN", R"({"value": 3})").status, 200u);
@@ -188,7 +188,7 @@ TEST_F(Devices, the_way_of_hosts_stays_as_it_is) {
 }
 
 // Another host leaves alone the parameters that the ground station writes.
-TEST_F(Devices, that_another_host_writes_are_written_and_say_so) {
+TEST_F(Devices, that_another_host_also_writes_are_written_and_the_conflict_is_reported) {
     ASSERT_EQ(ask("GET", "/devices").status, 200u);    // from now on its frames are observed
     const std::uint16_t port = daemon.port("ground");
     EXPECT_TRUE(wait_until([&] {
@@ -215,7 +215,7 @@ TEST_F(Devices, one_job_writes_at_a_time) {
     EXPECT_EQ(first.get().status, 409u);
 }
 
-TEST_F(Devices, a_job_ends_with_the_client_who_said_so) {
+TEST_F(Devices, a_job_with_while_connected_is_cancelled_when_its_client_disconnects) {
     UdpPeer deaf;
     ASSERT_TRUE(deaf.send(daemon.port("ground"), frame(0xDD, 0xFF, 0x01, Bytes(13))));
     ASSERT_TRUE(daemon.until([](const json& status) { return status.at("routes").size() == 2; }));
@@ -227,7 +227,7 @@ TEST_F(Devices, a_job_ends_with_the_client_who_said_so) {
     EXPECT_TRUE(wait_until([&] { return ask("GET", "/jobs").body.at("jobs")[0].at("state") == "cancelled"; }));
 }
 
-TEST_F(Devices, commands_waypoints_and_actions) {
+TEST_F(Devices, accept_commands_waypoints_and_actions) {
     const Told commands = ask("GET", "/devices/0xDC/commands");
     ASSERT_EQ(commands.status, 200u) << commands.body;
     EXPECT_TRUE(has_named(commands.body.at("commands"), "TAKE_OFF")) << commands.body;
@@ -247,7 +247,7 @@ TEST_F(Devices, commands_waypoints_and_actions) {
     EXPECT_EQ(ask("GET", "/devices/0xDC/waypoints").body.at("waypoints"), back);
 }
 
-TEST_F(Devices, a_scan_learns_what_devices_say_of_themselves) {
+TEST_F(Devices, a_scan_reads_the_device_info) {
     const Told told = ask("POST", "/devices/scan");
     ASSERT_EQ(told.status, 200u) << told.body;
     ASSERT_EQ(told.body.at("devices").size(), 1u);
@@ -271,7 +271,7 @@ TEST_F(Devices, firmware_is_written_however_large_the_file_is) {
     EXPECT_EQ(ask("PUT", "/devices/0xDD/waypoints", std::string(100'000, ' ')).status, 413u) << "a body of another route";
 }
 
-TEST_F(Devices, a_file_of_64_mib_is_no_burden_and_ends_with_its_own_word) {
+TEST_F(Devices, a_file_of_64_mib_uses_little_memory_and_is_rejected_with_a_clear_error) {
     const long before = daemon.proc_status("VmHWM");
     const std::vector<json> all = lines("POST", "/devices/0xDC/firmware", std::string(std::size_t{64} << 20, ' '));
     ASSERT_FALSE(all.empty());
@@ -284,7 +284,7 @@ TEST_F(Devices, a_file_of_64_mib_is_no_burden_and_ends_with_its_own_word) {
     EXPECT_TRUE(std::filesystem::is_empty(dir.path() / "state")) << "the file has no name";
 }
 
-TEST_F(Devices, a_calibration_waits_and_puts_back_what_was) {
+TEST_F(Devices, a_calibration_waits_for_the_user_and_restores_the_old_values_when_cancelled) {
     const std::string what = R"({"what": "accelerometer"})";
     EXPECT_EQ(ask("POST", "/devices/0xDC/commands/TAKE_OFF", R"({"values": [100]})").status, 200u);
     const std::vector<json> flying = lines("POST", "/devices/0xDC/calibration", what);
@@ -337,7 +337,7 @@ private:
     anogate::UniqueFd fd_;
 };
 
-TEST_F(Devices, who_follows_a_job_is_told_its_end_when_the_gateway_ends) {
+TEST_F(Devices, clients_that_follow_a_job_receive_its_end_when_the_gateway_stops) {
     UdpDevice device{daemon.port("ground"), 0xDD};    // it never answers
     ASSERT_TRUE(daemon.until([](const json& status) { return status.at("routes").size() == 2; }));
     Lines read{socket, "GET /devices/0xDD/parameters"}, idle{socket, "GET /jobs"};
@@ -357,7 +357,7 @@ TEST_F(Devices, who_follows_a_job_is_told_its_end_when_the_gateway_ends) {
     EXPECT_EQ(told.body.at("error"), "the gateway is stopping: cancelled");
 }
 
-TEST_F(Devices, old_values_of_a_calibration_that_the_end_cut_off_stay_for_the_user_where_the_unit_is_like_a_new_one) {
+TEST_F(Devices, old_values_of_an_interrupted_calibration_stay_in_a_file_if_the_unit_cannot_be_identified) {
     const json before = value("CAL_AOFF_X");
     Lines follows{socket, "POST /devices/0xDC/calibration", R"({"what": "accelerometer"})"};
     ASSERT_TRUE(follows.until(R"("state":"waiting")")) << follows.heard;
@@ -382,7 +382,7 @@ TEST_F(Devices, old_values_of_a_calibration_that_the_end_cut_off_stay_for_the_us
 }
 
 // The chip does not exist, so its switch counts as on.
-TEST(DevicesAndRules, what_a_switch_keeps_off_ends_at_once) {
+TEST(DevicesAndRules, a_command_that_a_gpio_switch_blocks_is_rejected_at_once) {
     TempDir dir;
     const std::string socket = dir / "control.sock";
     const std::string config = dir.write("anogate.json", R"({"links": ["sim:fc"],
@@ -402,7 +402,7 @@ TEST(DevicesAndRules, what_a_switch_keeps_off_ends_at_once) {
 }
 
 // Rules of the link `control` apply to this host as well.
-TEST(DevicesAndRules, what_does_not_pass_ends_at_once) {
+TEST(DevicesAndRules, a_write_that_the_rules_deny_is_rejected_at_once) {
     TempDir dir;
     const std::string socket = dir / "control.sock";
     const std::string config = dir.write(

@@ -158,7 +158,7 @@ protected:
     std::uint32_t last_number[count][256][256][anogate::traffic_classes + 1]{};
 };
 
-TEST_F(EightLinks, ten_million_random_frames_with_links_going_up_and_down) {
+TEST_F(EightLinks, forward_ten_million_random_frames_while_links_go_up_and_down) {
     std::uint64_t rounds = 0;
     std::uint64_t pulled = 0;
     while (sent < frames_to_send) {

@@ -66,7 +66,7 @@ unsigned asked(unsigned usual) {
 }
 
 // A watchdog of 50 us is always due: the difficult case is a timer that is due at the moment when it is stopped.
-TEST(Ends, whenever_the_signal_comes) {
+TEST(Ends, whenever_the_signal_arrives) {
     const support::TempDir dir;
     support::Random random{1};
     const unsigned tries = asked(100);

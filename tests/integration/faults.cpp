@@ -86,7 +86,7 @@ protected:
     PtyDevice device{dir / "port"};
 };
 
-TEST_F(SerialFaults, writes_of_every_length) {
+TEST_F(SerialFaults, writes_of_every_length_lose_no_frame) {
     start();
     std::size_t length = 0;
     fate_of_writev = [&](int) { return Fate{0, ++length}; };    // 1 byte, then 2, then 3 …
@@ -97,7 +97,7 @@ TEST_F(SerialFaults, writes_of_every_length) {
     expect_accounted();
 }
 
-TEST_F(SerialFaults, writes_of_random_lengths_between_interruptions) {
+TEST_F(SerialFaults, writes_of_random_lengths_between_interruptions_lose_no_frame) {
     start();
     Random random{7};
     fate_of_writev = [&](int) -> Fate {
@@ -113,7 +113,7 @@ TEST_F(SerialFaults, writes_of_random_lengths_between_interruptions) {
     expect_accounted();
 }
 
-TEST_F(SerialFaults, a_port_that_fails_in_the_middle_of_a_frame_begins_with_a_whole_one) {
+TEST_F(SerialFaults, a_port_that_fails_in_the_middle_of_a_frame_continues_with_a_whole_one) {
     start();
     for (int failure = 0; failure < 4; ++failure) {
         std::size_t calls = 0;
@@ -158,7 +158,7 @@ protected:
     UdpPeer peer;
 };
 
-TEST_F(UdpFaults, nothing_is_lost_while_the_kernel_has_no_room) {
+TEST_F(UdpFaults, no_frame_is_lost_while_the_kernel_has_no_buffer_space) {
     for (const bool pack : {false, true}) {
         for (const int error : {EAGAIN, ENOBUFS, ENOMEM, EINTR}) {
             SCOPED_TRACE(testing::Message() << "errno " << error << (pack ? ", packed" : ""));
@@ -183,7 +183,7 @@ TEST_F(UdpFaults, nothing_is_lost_while_the_kernel_has_no_room) {
     }
 }
 
-TEST_F(UdpFaults, a_refusal_is_counted_and_the_next_frames_go) {
+TEST_F(UdpFaults, a_refused_send_is_counted_and_the_next_frames_are_sent) {
     for (const bool pack : {false, true}) {
         for (const int error : {ECONNREFUSED, EHOSTUNREACH, EPERM, EACCES}) {
             SCOPED_TRACE(testing::Message() << "errno " << error << (pack ? ", packed" : ""));
@@ -206,7 +206,7 @@ TEST_F(UdpFaults, a_refusal_is_counted_and_the_next_frames_go) {
     }
 }
 
-TEST_F(UdpFaults, what_is_too_long_for_the_way_goes_one_by_one_or_is_counted) {
+TEST_F(UdpFaults, datagrams_rejected_as_too_long_are_sent_as_single_frames_or_counted) {
     start(true);
     bool every = false;
     int calls = 0;
@@ -228,7 +228,7 @@ TEST_F(UdpFaults, what_is_too_long_for_the_way_goes_one_by_one_or_is_counted) {
 }
 
 // Packed up to `mtu`, which the user may have set to more than the path supports.
-TEST_F(UdpFaults, datagrams_packed_beyond_what_the_way_carries_go_one_by_one) {
+TEST_F(UdpFaults, packed_datagrams_too_long_for_the_path_are_sent_as_single_frames) {
     start(true);
     fate_of_sendmmsg = [&](int) { return Fate{0, SIZE_MAX, 60}; };    // any single frame, but never three
     for (int round = 0; round < 5; ++round) in(20);
@@ -240,7 +240,7 @@ TEST_F(UdpFaults, datagrams_packed_beyond_what_the_way_carries_go_one_by_one) {
     expect_accounted();
 }
 
-TEST_F(UdpFaults, a_way_that_breaks_is_looked_for_again) {
+TEST_F(UdpFaults, a_link_reopens_after_a_network_error) {
     for (const int error : {ENETDOWN, ENODEV, EADDRNOTAVAIL, EINVAL, ENETUNREACH}) {
         SCOPED_TRACE(testing::Message() << "errno " << error);
         sent = 0;
@@ -259,7 +259,7 @@ TEST_F(UdpFaults, a_way_that_breaks_is_looked_for_again) {
     }
 }
 
-TEST_F(UdpFaults, a_reader_that_is_gone_costs_what_was_sent_to_nobody) {
+TEST_F(UdpFaults, frames_to_a_closed_peer_are_counted_and_the_link_stays_up) {
     auto gone = std::make_unique<UdpPeer>();
     LinkSettings to = udp("to", gone->local().text());
     Faults::start(to);

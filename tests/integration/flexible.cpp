@@ -67,7 +67,7 @@ protected:
     UdpPeer peer;
 };
 
-TEST_F(Flexible, layouts_are_set_while_it_runs_and_stay_over_a_restart) {
+TEST_F(Flexible, layouts_can_be_set_at_run_time_and_survive_a_restart) {
     start(R"({"flexible": [{"id": "0xF2", "fields": [{"name": "of_file", "type": "u8"}]}]})");
     EXPECT_EQ(get("/flexible").at("from"), "configuration");
     EXPECT_EQ(get("/flexible").at("flexible").at(0).at("id"), "0xF2");
@@ -98,7 +98,7 @@ TEST_F(Flexible, layouts_are_set_while_it_runs_and_stay_over_a_restart) {
     EXPECT_TRUE(wait_until([&] { return !std::filesystem::exists(dir / "state/flexible.json"); }));
 }
 
-TEST_F(Flexible, a_reload_with_other_layouts_overrules_what_was_set) {
+TEST_F(Flexible, a_reload_with_other_layouts_replaces_those_set_by_a_client) {
     start();
     EXPECT_EQ(put(layout).status, 200u);
     const json same = {{"links", {"udp-listen:127.0.0.1:0,name=fc"}}, {"gateway", {{"name", "other"}}}};
@@ -113,7 +113,7 @@ TEST_F(Flexible, a_reload_with_other_layouts_overrules_what_was_set) {
     EXPECT_TRUE(wait_until([&] { return !std::filesystem::exists(dir / "state/flexible.json"); }));
 }
 
-TEST_F(Flexible, what_was_set_is_back_when_a_reload_is_not_confirmed) {
+TEST_F(Flexible, layouts_set_by_a_client_are_restored_when_a_reload_is_not_confirmed) {
     start();
     EXPECT_EQ(put(layout).status, 200u);
     const json other = {{"links", {"udp-listen:127.0.0.1:0,name=fc"}},
@@ -128,7 +128,7 @@ TEST_F(Flexible, what_was_set_is_back_when_a_reload_is_not_confirmed) {
     EXPECT_TRUE(std::filesystem::exists(dir / "state/flexible.json"));
 }
 
-TEST_F(Flexible, faulty_layouts_change_nothing_and_are_named_by_their_place) {
+TEST_F(Flexible, faulty_layouts_change_nothing_and_are_reported_with_their_location) {
     start();
     EXPECT_EQ(put(layout).status, 200u);
     const auto answer = put(
@@ -149,7 +149,7 @@ TEST_F(Flexible, faulty_layouts_change_nothing_and_are_named_by_their_place) {
     EXPECT_EQ(fields().at(0).at("name"), "cells");
 }
 
-TEST_F(Flexible, anoctl_sets_and_shows_them_and_its_monitor_uses_them) {
+TEST_F(Flexible, anoctl_sets_and_shows_layouts_and_its_monitor_uses_them) {
     start();
     const std::string file = dir.write("layouts.json", std::string{"// a list with a comment\n"} + layout);
     const auto set = support::anoctl({"flexible", "set", file, "--control", socket});
@@ -177,7 +177,7 @@ TEST_F(Flexible, anoctl_sets_and_shows_them_and_its_monitor_uses_them) {
     EXPECT_NE(shown.out.find("flexible1 cells=[3.6,3.601]"), std::string::npos) << shown.out << shown.err;
 }
 
-TEST_F(Flexible, recordings_of_both_kinds_have_their_layouts_and_need_no_configuration) {
+TEST_F(Flexible, recordings_of_both_formats_contain_their_layouts_and_need_no_configuration) {
     start(R"({"record": {"start": false, "format": "mcap"}})");
     EXPECT_EQ(put(layout).status, 200u);
     for (const std::string format : {"mcap", "pcapng"}) {
@@ -219,7 +219,7 @@ TEST_F(Flexible, recordings_of_both_kinds_have_their_layouts_and_need_no_configu
     }
 }
 
-TEST_F(Flexible, anoctl_records_what_the_gateway_knows) {
+TEST_F(Flexible, anoctl_record_uses_the_layouts_of_the_gateway) {
     start();
     EXPECT_EQ(put(layout).status, 200u);
     std::thread sender{[&] {
@@ -244,7 +244,7 @@ void while_layouts_change(const std::function<void()>& send, const std::function
     run.wait();
 }
 
-TEST_F(Flexible, who_watches_or_records_has_the_new_layouts_at_once) {
+TEST_F(Flexible, monitors_and_recordings_use_new_layouts_at_once) {
     start();
     const auto later = [&] { EXPECT_EQ(put(R"([{"id": "0xF1", "fields": [{"name": "later", "type": "u32"}]}])").status, 200u); };
     const auto sends = [&] { send(cells); };
@@ -390,7 +390,7 @@ void send_lx(UdpPeer& peer, std::uint16_t port) {
     peer.send(port, encoded(quaternion));
 }
 
-TEST_F(Flexible, an_orientation_that_contradicts_itself_is_a_hint_until_the_key_is_set) {
+TEST_F(Flexible, contradicting_orientations_cause_a_hint_until_the_key_is_set) {
     start();
     const auto hint = [&] { return daemon->link("fc").at("hint").get<std::string>(); };
     EXPECT_TRUE(daemon->until([&](const json&) {

@@ -102,7 +102,7 @@ private:
     int questions_ = 0;
 };
 
-TEST_F(Foxglove, who_offers_the_subprotocol_at_the_page_is_told_who_is_here_and_what_can_be_had) {
+TEST_F(Foxglove, a_client_of_the_subprotocol_at_the_root_path_receives_server_info_and_channels) {
     Plotter plotter{door};
     ASSERT_TRUE(until([&] { return plotter.said("advertise").size() == 1; }));
     EXPECT_EQ(json::parse(plotter.ear.texts().front()).at("op"), "serverInfo");
@@ -115,7 +115,7 @@ TEST_F(Foxglove, who_offers_the_subprotocol_at_the_page_is_told_who_is_here_and_
     EXPECT_TRUE(plotter.ear.messages().empty()) << "nothing is subscribed";
 }
 
-TEST_F(Foxglove, what_is_subscribed_is_shown_and_nothing_else) {
+TEST_F(Foxglove, only_subscribed_channels_are_sent) {
     Plotter plotter{door};
     ASSERT_TRUE(until_told(plotter, "/a/device_220/euler"));
     send(wind);
@@ -133,7 +133,7 @@ TEST_F(Foxglove, what_is_subscribed_is_shown_and_nothing_else) {
     EXPECT_TRUE(plotter.said("status").empty());
 }
 
-TEST_F(Foxglove, channels_of_a_link_that_is_removed_are_taken_back_though_nothing_comes_any_more) {
+TEST_F(Foxglove, channels_of_a_removed_link_are_unadvertised_even_without_new_frames) {
     Plotter plotter{door}, other{door, "/", {{"Sec-WebSocket-Protocol", "foxglove.sdk.v1"}}};
     ASSERT_TRUE(until_told(plotter, "/a/device_220/euler") && until_told(other, "/a/device_220/euler"));
     anogate::Gateway& gateway = door.gateway.gateway();
@@ -151,7 +151,7 @@ TEST_F(Foxglove, channels_of_a_link_that_is_removed_are_taken_back_though_nothin
     EXPECT_TRUE(later.channel("/a/device_220/euler").is_null());
 }
 
-TEST_F(Foxglove, another_subscription_takes_nothing_from_the_first) {
+TEST_F(Foxglove, a_second_subscription_loses_no_messages_of_the_first) {
     Plotter plotter{door};
     ASSERT_TRUE(until_told(plotter, "/a/device_220/euler"));
     send(wind);
@@ -168,7 +168,7 @@ TEST_F(Foxglove, another_subscription_takes_nothing_from_the_first) {
     EXPECT_TRUE(until([&] { return plotter.shown(1) == sent; })) << plotter.shown(1) << " of " << sent;
 }
 
-TEST_F(Foxglove, whole_frames_are_shown_whatever_became_of_them) {
+TEST_F(Foxglove, frames_are_sent_with_their_cause_whether_forwarded_or_dropped) {
     Plotter plotter{door};
     ASSERT_TRUE(until([&] { return !plotter.channel("/anogate/frames").is_null(); }));
     plotter.subscribe(3, plotter.channel("/anogate/frames"));
@@ -178,7 +178,7 @@ TEST_F(Foxglove, whole_frames_are_shown_whatever_became_of_them) {
     EXPECT_NE(plotter.ear.messages().back().find("no_route"), std::string::npos);
 }
 
-TEST_F(Foxglove, messages_are_json_where_that_is_asked_for) {
+TEST_F(Foxglove, messages_are_json_if_requested) {
     Plotter plotter{door, "/?encoding=json"};
     ASSERT_TRUE(until_told(plotter, "/a/device_220/euler"));
     const json channel = plotter.channel("/a/device_220/euler");
@@ -195,7 +195,7 @@ TEST_F(Foxglove, messages_are_json_where_that_is_asked_for) {
     EXPECT_NE(wrong.ear.ended->answer.body.find("'encoding' must be cdr or json, not 'protobuf'"), std::string::npos);
 }
 
-TEST_F(Foxglove, a_path_of_its_own_asks_for_the_subprotocol) {
+TEST_F(Foxglove, the_path_foxglove_requires_the_subprotocol) {
     Plotter plotter{door, "/foxglove"}, without{door, "/foxglove", {}};
     EXPECT_TRUE(until([&] { return !plotter.said("serverInfo").empty(); }));
     ASSERT_TRUE(until([&] { return without.ear.ended.has_value(); }));
@@ -204,7 +204,7 @@ TEST_F(Foxglove, a_path_of_its_own_asks_for_the_subprotocol) {
     EXPECT_EQ(door.ask("GET", "/foxglove").status, 426u);
 }
 
-TEST_F(Foxglove, nobody_looks_at_frames_when_the_last_client_has_gone) {
+TEST_F(Foxglove, frames_are_not_observed_after_the_last_client_disconnects) {
     const auto is_watched = [&] { return door.gateway.gateway().forwarder().is_observed(); };
     EXPECT_FALSE(is_watched());
     Plotter one{door}, two{door};
@@ -220,14 +220,14 @@ TEST_F(Foxglove, nobody_looks_at_frames_when_the_last_client_has_gone) {
     ASSERT_TRUE(until_told(again, "/a/device_220/euler"));
 }
 
-TEST_F(Foxglove, who_comes_later_is_told_what_was_found_before) {
+TEST_F(Foxglove, a_later_client_receives_the_channels_found_earlier) {
     Plotter first{door};
     ASSERT_TRUE(until_told(first, "/a/device_220/euler"));
     Plotter second{door};
     EXPECT_TRUE(until([&] { return !second.channel("/a/device_220/euler").is_null(); }));
 }
 
-TEST_F(Foxglove, nonsense_is_answered_and_too_much_ends_the_connection) {
+TEST_F(Foxglove, invalid_messages_are_answered_and_too_large_ones_close_the_connection) {
     Plotter plotter{door};
     ASSERT_TRUE(until([&] { return plotter.ear.is_open(); }));
     plotter.ear.say("nonsense", Kind::text);
@@ -252,7 +252,7 @@ std::string masked(const std::string& text) {
     return bytes + text;
 }
 
-TEST_F(Foxglove, who_takes_too_little_holds_nobody_up_and_is_told_what_he_missed) {
+TEST_F(Foxglove, a_slow_client_delays_no_other_one_and_receives_a_report_of_lost_messages) {
     Plotter awake{door};
     const int sleeper = connect_unix(door.path);
     const std::string begin =
@@ -308,7 +308,7 @@ protected:
     Plotter plotter{door};
 };
 
-TEST_F(FoxgloveParameters, are_read_from_devices_by_name_and_known_from_then_on) {
+TEST_F(FoxgloveParameters, are_read_from_devices_by_name_and_listed_from_then_on) {
     EXPECT_EQ(answer(json::array(), "before"), json::array()) << "nobody read any";
     const json values = answer({"fc/220/SIM_SWAY", "fc/220/SIM_MODE", "fc/220/NONE", "fc/9/SIM_MODE"}, "some");
     ASSERT_EQ(values.size(), 2u) << values;
@@ -325,7 +325,7 @@ TEST_F(FoxgloveParameters, are_read_from_devices_by_name_and_known_from_then_on)
     EXPECT_EQ(another.said("parameterValues").front().at("parameters").size(), 2u);
 }
 
-TEST_F(FoxgloveParameters, that_others_write_are_told_to_who_watches_them) {
+TEST_F(FoxgloveParameters, that_others_write_are_sent_to_subscribed_clients) {
     plotter.say({{"op", "subscribeParameterUpdates"}, {"parameterNames", {"fc/220/SIM_SWAY"}}});
     EXPECT_EQ(door.ask("PUT", "/devices/0xDC/parameters/SIM_SWAY", R"({"value": 12.5})").status, 200u);
     ASSERT_TRUE(until([&] { return !plotter.said("parameterValues").empty(); }));
@@ -341,7 +341,7 @@ TEST_F(FoxgloveParameters, are_not_written) {
     EXPECT_EQ(answer({"fc/220/SIM_SWAY"}, "behind"), before);
 }
 
-TEST_F(FoxgloveParameters, are_awaited_by_who_has_left_without_harm) {
+TEST_F(FoxgloveParameters, that_a_disconnected_client_requested_cause_no_harm) {
     for (int i = 0; i < 10; ++i)
         plotter.say({{"op", "getParameters"}, {"parameterNames", {"fc/220/SIM_SWAY"}}, {"id", std::to_string(i)}});
     door.gateway.run_for(1ms);
@@ -403,7 +403,7 @@ protected:
     std::uint16_t port = 0;
 };
 
-TEST_F(FoxgloveDoor, lets_in_who_has_a_token_in_the_query_or_a_header) {
+TEST_F(FoxgloveDoor, accepts_a_token_in_the_query_or_in_a_header) {
     EXPECT_EQ(code_of(joined("/?token=" + looks)), "101");
     EXPECT_EQ(code_of(joined("/foxglove?token=" + acts + "&encoding=json")), "101");
     EXPECT_EQ(code_of(joined("/", "Authorization: Bearer " + looks + "\r\n")), "101");
@@ -417,13 +417,13 @@ TEST_F(FoxgloveDoor, lets_in_who_has_a_token_in_the_query_or_a_header) {
               "401");
 }
 
-TEST_F(FoxgloveDoor, bars_who_guesses) {
+TEST_F(FoxgloveDoor, blocks_clients_that_guess_tokens) {
     for (int i = 0; i < 10; ++i) EXPECT_EQ(code_of(joined("/?token=guess" + std::to_string(i))), "401");
     EXPECT_EQ(code_of(joined("/?token=guess")), "429");
     EXPECT_EQ(code_of(joined("/?token=" + looks)), "101") << "a right one is always taken";
 }
 
-TEST_F(FoxgloveDoor, refuses_other_names_and_pages_that_are_not_named) {
+TEST_F(FoxgloveDoor, rejects_other_host_names_and_origins_that_are_not_allowed) {
     EXPECT_EQ(code_of(joined("/?token=" + looks, {}, "evil.example")), "403") << "a name that was made to lead here";
     EXPECT_EQ(code_of(joined("/?token=" + looks, "Origin: https://evil.example\r\n")), "403");
     EXPECT_EQ(code_of(joined("/?token=" + looks, "Origin: null\r\n")), "403");
@@ -431,7 +431,7 @@ TEST_F(FoxgloveDoor, refuses_other_names_and_pages_that_are_not_named) {
     EXPECT_EQ(code_of(joined("/?token=" + looks, "Origin: file://\r\n")), "101");
 }
 
-TEST_F(FoxgloveDoor, tells_a_token_to_nobody) {
+TEST_F(FoxgloveDoor, never_returns_or_logs_a_token) {
     const std::vector<std::string> answers{
         joined("/?token=" + looks),          joined("/?token=wrong-" + looks),
         joined("/nothing?token=" + looks),   joined("/foxglove?encoding=" + looks.substr(0, 4) + "&token=" + looks),
@@ -442,7 +442,7 @@ TEST_F(FoxgloveDoor, tells_a_token_to_nobody) {
     EXPECT_EQ(daemon->output().find(looks), std::string::npos) << daemon->output();
 }
 
-TEST_F(FoxgloveDoor, of_a_gateway_that_was_started_again_is_told_to_be_another_session) {
+TEST_F(FoxgloveDoor, of_a_restarted_gateway_has_another_session_id) {
     const auto session = [&] {
         const std::string answer = joined("/?token=" + looks);
         const auto begin = answer.find("\"sessionId\":\"");

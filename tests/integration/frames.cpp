@@ -71,7 +71,7 @@ protected:
     ControlDoor door{{a.link("a"), b.link("b")}};
 };
 
-TEST_F(Frames, binary_watchers_are_told_the_numbers_first_and_then_of_each_frame) {
+TEST_F(Frames, binary_clients_receive_the_numbering_first_and_then_each_frame) {
     Ear ear{door, "/frames?format=binary"};
     ASSERT_TRUE(until_watches(ear));
     const json tables = json::parse(ear.texts().front());
@@ -99,7 +99,7 @@ TEST_F(Frames, binary_watchers_are_told_the_numbers_first_and_then_of_each_frame
     EXPECT_EQ(all.frames.at(1), euler);
 }
 
-TEST_F(Frames, what_is_seen_adds_up_to_the_counters) {
+TEST_F(Frames, that_a_client_receives_add_up_to_the_counters) {
     Ear ear{door, "/frames?format=binary"};
     ASSERT_TRUE(until_watches(ear));
     std::size_t sent = 0;
@@ -116,7 +116,7 @@ TEST_F(Frames, what_is_seen_adds_up_to_the_counters) {
     EXPECT_EQ(all.count.at("out"), door.gateway.count("b", "frames_out"));
 }
 
-TEST_F(Frames, numbers_that_change_are_told_before_the_next_frame) {
+TEST_F(Frames, changed_numbers_are_sent_before_the_next_frame) {
     Ear ear{door, "/frames?format=binary"};
     ASSERT_TRUE(until_watches(ear));
     Ear program{door, "/link?name=camera"};
@@ -132,7 +132,7 @@ TEST_F(Frames, numbers_that_change_are_told_before_the_next_frame) {
     EXPECT_EQ(anogate::take_record(rest)->channel, 2);
 }
 
-TEST_F(Frames, as_json_each_message_is_a_frame) {
+TEST_F(Frames, are_sent_as_one_json_message_each) {
     Ear ear{door, "/frames"};
     ASSERT_TRUE(door.gateway.until([&] { return door.gateway.gateway().forwarder().is_observed(); }));
     send(euler);
@@ -146,7 +146,7 @@ TEST_F(Frames, as_json_each_message_is_a_frame) {
     EXPECT_EQ(out.at("direction"), "out");
 }
 
-TEST_F(Frames, in_the_name_of_a_device_that_is_at_home_elsewhere_are_marked_and_can_be_left_out) {
+TEST_F(Frames, with_the_address_of_a_device_on_another_link_are_marked_and_can_be_omitted) {
     Ear all{door, "/frames?format=binary&direction=in"}, believed{door, "/frames?format=binary&direction=in&elsewhere=no"};
     Ear lines{door, "/frames?direction=in"};
     ASSERT_TRUE(until_watches(all) && until_watches(believed));
@@ -168,7 +168,7 @@ TEST_F(Frames, in_the_name_of_a_device_that_is_at_home_elsewhere_are_marked_and_
     EXPECT_FALSE(json::parse(lines.texts().at(0)).contains("elsewhere"));
 }
 
-TEST_F(Frames, filters_choose_and_wrong_ones_are_told_in_words) {
+TEST_F(Frames, filters_select_frames_and_wrong_ones_are_reported) {
     Ear ear{door, "/frames?format=binary&id=wind&direction=out&link=b&from=0xDD"};
     ASSERT_TRUE(until_watches(ear));
     send(euler);
@@ -192,7 +192,7 @@ TEST_F(Frames, filters_choose_and_wrong_ones_are_told_in_words) {
     EXPECT_NE(wrong.ended->answer.body.find("did you mean 'wind'?"), std::string::npos) << wrong.ended->answer.body;
 }
 
-TEST_F(Frames, come_together_as_long_after_the_first_as_is_said) {
+TEST_F(Frames, are_batched_for_the_requested_time_after_the_first_one) {
     Ear ear{door, "/frames?format=binary&direction=in&batch=200ms"};
     ASSERT_TRUE(until_watches(ear));
     std::size_t sent = 0;
@@ -213,7 +213,7 @@ TEST_F(Frames, come_together_as_long_after_the_first_as_is_said) {
 }
 
 // The loop is awake at that time, so a message needs no wake-up of its own.
-TEST_F(Frames, leave_with_one_that_comes_shortly_before_their_time) {
+TEST_F(Frames, are_sent_early_when_another_frame_arrives_shortly_before_their_time) {
     Ear ear{door, "/frames?format=binary&direction=in&batch=200ms"};
     ASSERT_TRUE(until_watches(ear));
     const auto is_early = [](const std::string& message) {
@@ -231,7 +231,7 @@ TEST_F(Frames, leave_with_one_that_comes_shortly_before_their_time) {
     EXPECT_TRUE(some_are) << "each waited for its time";
 }
 
-TEST_F(Frames, without_an_upgrade_they_are_lines_that_never_end) {
+TEST_F(Frames, are_an_endless_stream_of_lines_without_an_upgrade) {
     anogate::http::Client client{door.loop.io, door.path};
     std::vector<std::string> lines;
     anogate::http::Request request;
@@ -254,7 +254,7 @@ TEST_F(Frames, without_an_upgrade_they_are_lines_that_never_end) {
     EXPECT_TRUE(until_in(sent + 4));
 }
 
-TEST_F(Frames, why_a_frame_was_dropped_is_told_whenever_that_was) {
+TEST_F(Frames, that_were_dropped_are_sent_with_their_cause) {
     Ear ear{door, "/frames?direction=dropped&format=binary"};
     ASSERT_TRUE(until_watches(ear));
     send(frame(0xDC, 0x00, 0x03, {1}));
@@ -286,7 +286,7 @@ private:
     std::string text_;
 };
 
-TEST_F(Frames, a_watcher_that_does_not_read_holds_nobody_up_and_is_told_what_it_missed) {
+TEST_F(Frames, a_client_that_does_not_read_delays_no_other_one_and_receives_a_report_of_lost_frames) {
     Ear awake{door, "/frames?format=binary&direction=in"};
     ASSERT_TRUE(until_watches(awake));
     Sleeper sleeper{door.path, "/frames?direction=in"};
@@ -319,7 +319,7 @@ TEST_F(Frames, a_watcher_that_does_not_read_holds_nobody_up_and_is_told_what_it_
     })) << "and it goes on";
 }
 
-TEST_F(Frames, a_watcher_that_takes_nothing_for_too_long_is_closed) {
+TEST_F(Frames, a_client_that_reads_nothing_for_too_long_is_closed) {
     anogate::http::ServerLimits limits;
     limits.session.patience = 500ms;
     ControlDoor impatient{settings_of_texts({a.link("x")}), limits};
@@ -336,7 +336,7 @@ TEST_F(Frames, a_watcher_that_takes_nothing_for_too_long_is_closed) {
     EXPECT_FALSE(is_watched());
 }
 
-TEST_F(Frames, nobody_looks_at_frames_unless_somebody_watches) {
+TEST_F(Frames, are_observed_only_while_a_client_watches) {
     const auto is_watched = [&] { return door.gateway.gateway().forwarder().is_observed(); };
     EXPECT_FALSE(is_watched());
     Ear one{door, "/frames?format=binary"}, two{door, "/frames?format=binary&id=wind"};

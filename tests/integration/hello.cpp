@@ -41,7 +41,7 @@ struct Hello : testing::Test {
     PtyDevice fc{dir / "fc"};
 };
 
-TEST_F(Hello, is_heard_after_a_second_of_silence_and_again_and_counted) {
+TEST_F(Hello, is_sent_after_a_second_of_silence_and_again_and_counted) {
     RunningGateway gateway{speaking(serial("fc", fc.path()), 1s), udp_listen("ground")};
     ASSERT_TRUE(gateway.until_up("fc"));
     const TimePoint up = Clock::now();
@@ -56,7 +56,7 @@ TEST_F(Hello, is_heard_after_a_second_of_silence_and_again_and_counted) {
     EXPECT_TRUE(gateway.counters_add_up());
 }
 
-TEST_F(Hello, is_not_said_while_frames_come) {
+TEST_F(Hello, is_not_sent_while_frames_are_received) {
     RunningGateway gateway{speaking(serial("fc", fc.path()), 1s)};
     ASSERT_TRUE(gateway.until_up("fc"));
     for (int i = 0; i < 15; ++i) {
@@ -67,7 +67,7 @@ TEST_F(Hello, is_not_said_while_frames_come) {
     EXPECT_TRUE(gateway.until([&] { return hellos() == 1; })) << "and then it falls silent";
 }
 
-TEST_F(Hello, is_not_said_after_a_firmware_frame_to_the_link_or_from_it_nor_where_broadcasts_do_not_go) {
+TEST_F(Hello, is_not_sent_after_a_firmware_frame_on_the_link_or_where_broadcasts_are_off) {
     PtyDevice radio{dir / "radio"};
     PtyDevice gps{dir / "gps"};
     LinkSettings apart = speaking(serial("gps", gps.path()));
@@ -82,7 +82,7 @@ TEST_F(Hello, is_not_said_after_a_firmware_frame_to_the_link_or_from_it_nor_wher
     EXPECT_EQ(gps.heard(), Bytes{});
 }
 
-TEST_F(Hello, goes_by_the_rules_of_its_link) {
+TEST_F(Hello, follows_the_rules_of_its_link) {
     LinkSettings link = speaking(serial("fc", fc.path()));
     link.rules.send.deny_sources = {{0xFE, 0xFE}};
     RunningGateway gateway{link};
@@ -92,7 +92,7 @@ TEST_F(Hello, goes_by_the_rules_of_its_link) {
 
 // No probe is sent on serial ports, and another host may send the same question, so the loop is recognised by 200 copies in a
 // second.
-TEST_F(Hello, is_cut_where_two_links_are_joined_behind_us) {
+TEST_F(Hello, is_stopped_when_it_loops_between_two_links_joined_elsewhere) {
     PtyDevice back{dir / "back"};
     RunningGateway gateway{speaking(serial("fc", fc.path()), 1s), serial("back", back.path())};
     ASSERT_TRUE(gateway.until_up("fc") && gateway.until_up("back"));
@@ -124,7 +124,7 @@ TEST_F(Hello, wakes_a_bridge_that_waits_for_a_datagram) {
     EXPECT_TRUE(gateway.until([&] { return station.heard() == who_i_am; })) << "its answer goes to the hosts";
 }
 
-TEST_F(Hello, ends_with_the_gateway) {
+TEST_F(Hello, does_not_delay_the_stop_of_the_gateway) {
     LinkSettings link = serial("fc", fc.path());
     link.profile = anogate::Profile::vendor;
     RunningGateway gateway{link};
@@ -160,7 +160,7 @@ protected:
     std::uint64_t sent = 1;
 };
 
-TEST_F(VendorDevice, the_eighth_question_waits_until_one_is_answered_and_commands_pass_it) {
+TEST_F(VendorDevice, the_eighth_request_waits_until_one_is_answered_and_commands_pass_it) {
     start(of_vendor(serial("fc", fc.path())));
     for (std::uint8_t n = 0; n < 10; ++n) send(ask(n));
     const Bytes lock = frame(0xFE, 0xDC, 0xC0, {0x10, 0, 2});
@@ -178,7 +178,7 @@ TEST_F(VendorDevice, the_eighth_question_waits_until_one_is_answered_and_command
     EXPECT_EQ(gateway->count("fc", "waiting"), 2u);
 }
 
-TEST_F(VendorDevice, the_eighth_question_leaves_when_the_others_stay_unanswered) {
+TEST_F(VendorDevice, the_eighth_request_is_sent_when_the_others_stay_unanswered) {
     start(of_vendor(serial("fc", fc.path())));
     const TimePoint asked = Clock::now();
     for (std::uint8_t n = 0; n < 20; ++n) send(ask(n));
@@ -190,7 +190,7 @@ TEST_F(VendorDevice, the_eighth_question_leaves_when_the_others_stay_unanswered)
     EXPECT_TRUE(gateway->counters_add_up());
 }
 
-TEST_F(VendorDevice, what_waits_is_counted_when_the_device_goes) {
+TEST_F(VendorDevice, waiting_requests_are_counted_when_the_device_is_unplugged) {
     start(of_vendor(serial("fc", fc.path())));
     for (std::uint8_t n = 0; n < 12; ++n) send(ask(n));
     EXPECT_EQ(gateway->count("fc", "waiting"), 5u);
@@ -206,7 +206,7 @@ TEST_F(VendorDevice, what_waits_is_counted_when_the_device_goes) {
     EXPECT_TRUE(gateway->until([&] { return gateway->count("fc", "frames_out") == before + 7; })) << "nothing old is in flight";
 }
 
-TEST_F(VendorDevice, the_end_does_not_wait_for_answers) {
+TEST_F(VendorDevice, the_shutdown_does_not_wait_for_answers) {
     start(of_vendor(serial("fc", fc.path())));
     for (std::uint8_t n = 0; n < 12; ++n) send(ask(n));
     EXPECT_LT(gateway->stop(), 400ms);
@@ -214,7 +214,7 @@ TEST_F(VendorDevice, the_end_does_not_wait_for_answers) {
     EXPECT_TRUE(gateway->counters_add_up());
 }
 
-TEST_F(VendorDevice, gets_198_bytes_of_data_at_the_most_and_never_none) {
+TEST_F(VendorDevice, receives_at_most_198_bytes_of_data_and_never_an_empty_frame) {
     start(of_vendor(serial("fc", fc.path())));
     send(frame(0xFE, 0xDC, 0xFB, Bytes(199)));
     send(frame(0xFE, 0xDC, 0xFB));
@@ -230,7 +230,7 @@ TEST_F(VendorDevice, gets_198_bytes_of_data_at_the_most_and_never_none) {
         << "what it sends may be larger";
 }
 
-TEST_F(VendorDevice, the_bounds_of_what_comes_in_and_what_leaves_are_apart) {
+TEST_F(VendorDevice, has_separate_limits_for_received_and_sent_frames) {
     LinkSettings link = serial("fc", fc.path());
     link.max_data = 50;
     link.max_data_out = 100;

@@ -44,7 +44,7 @@ TEST_F(HostNames, a_udp_peer_is_found_by_its_name) {
     EXPECT_TRUE(daemon.counters_add_up());
 }
 
-TEST_F(HostNames, a_name_that_is_none_yet_is_said_and_asked_for_again) {
+TEST_F(HostNames, an_unknown_name_is_reported_and_looked_up_again) {
     RunningGateway daemon{settings_of_texts({"udp:later.test:9,name=fc"})};
     ASSERT_TRUE(daemon.until([&] { return daemon.link("fc").at("error_id") == "no_such_host"; }));
     EXPECT_EQ(daemon.link("fc").at("error").get<std::string>().rfind("later.test: ", 0), 0u) << daemon.link("fc");
@@ -97,7 +97,7 @@ TEST_F(HostNames, a_udp_peer_that_gets_another_address_is_followed) {
     link.stop();
 }
 
-TEST_F(HostNames, the_tunnel_knows_hosts_by_their_names_and_nobody_else) {
+TEST_F(HostNames, the_tunnel_accepts_hosts_by_name_and_no_others) {
     hosts->set("10.79.0.2 ground.test\n127.0.0.1 trap.test\n");
     const Namespace here, there;
     here.join(there, "cable", "10.79.0.1/24", "10.79.0.2/24");
@@ -133,7 +133,7 @@ TEST_F(HostNames, the_tunnel_knows_hosts_by_their_names_and_nobody_else) {
 }
 
 // A name server that never answers: a lookup takes many seconds, in its own thread.
-TEST(SlowNames, cost_the_loop_nothing_and_do_not_delay_the_end) {
+TEST(SlowNames, do_not_block_the_loop_and_do_not_delay_the_shutdown) {
     ANOGATE_NEEDS_NAMESPACES();
     const TempDir dir;
     const Namespace space;

@@ -29,7 +29,7 @@ TEST_P(HttpServer, answers_pipelined_requests_in_their_order) {
     EXPECT_FALSE(client.is_closed());
 }
 
-TEST_P(HttpServer, understands_who_speaks_byte_by_byte) {
+TEST_P(HttpServer, accepts_a_request_that_is_received_byte_by_byte) {
     Client client = connect(GetParam());
     for (const char c : std::string{"POST /echo HTTP/1.1\r\nContent-Length: 3\r\n\r\nabc"}) {
         client.send({&c, 1});
@@ -38,7 +38,7 @@ TEST_P(HttpServer, understands_who_speaks_byte_by_byte) {
     EXPECT_TRUE(until([&] { return client.has_heard("\r\n\r\nabc"); }));
 }
 
-TEST_P(HttpServer, answers_who_has_closed_his_half) {
+TEST_P(HttpServer, answers_a_client_that_has_closed_its_sending_half) {
     Client client = connect(GetParam());
     client.send(get("/short?n=yes"));
     client.end_output();
@@ -46,7 +46,7 @@ TEST_P(HttpServer, answers_who_has_closed_his_half) {
     EXPECT_TRUE(client.has_heard("\r\n\r\nyes")) << client.heard();
 }
 
-TEST_P(HttpServer, tells_who_closed_his_half_within_a_request) {
+TEST_P(HttpServer, reports_a_request_that_ended_before_it_was_complete) {
     Client client = connect(GetParam());
     client.send("GET /sho");
     client.end_output();
@@ -54,7 +54,7 @@ TEST_P(HttpServer, tells_who_closed_his_half_within_a_request) {
     EXPECT_TRUE(is_told(client.heard(), "400 Bad Request", "the request ended before it was complete")) << client.heard();
 }
 
-TEST_F(HttpServer, tells_what_is_too_large_or_no_request_and_that_it_ends) {
+TEST_F(HttpServer, reports_too_large_and_invalid_requests_and_closes_the_connection) {
     const std::string large = std::string(200'000, 'x');
     EXPECT_TRUE(is_told(answer("GET / HTTP/1.1\r\nX: " + large + "\r\n\r\n"), "431 Request Header Fields Too Large",
                         "the header of a request has at most 8192 bytes"));
@@ -67,7 +67,7 @@ TEST_F(HttpServer, tells_what_is_too_large_or_no_request_and_that_it_ends) {
     EXPECT_NE(two.find("HTTP/1.1 400 Bad Request"), std::string::npos) << two;
 }
 
-TEST_F(HttpServer, tells_when_memory_is_short_and_when_to_come_again) {
+TEST_F(HttpServer, reports_a_lack_of_memory_and_when_to_retry) {
     const std::string words = "not enough memory for a request; try again";
     const auto told = [&](const std::string& answer) {
         return is_told(answer, "503 Service Unavailable", words) && answer.find("Retry-After: 1\r\n") != answer.npos;
@@ -87,7 +87,7 @@ TEST_F(HttpServer, tells_when_memory_is_short_and_when_to_come_again) {
 }
 
 // Each check takes two system calls.
-TEST_F(HttpServer, looks_once_for_the_memory_of_who_is_answered_at_once_and_again_behind_another_answer) {
+TEST_F(HttpServer, checks_the_memory_once_for_a_prompt_response_and_again_after_another_response) {
     Client one = connect(), other = connect();
     settle();
     const auto looks = [&](std::initializer_list<Client*> clients) {
@@ -106,7 +106,7 @@ TEST_F(HttpServer, looks_once_for_the_memory_of_who_is_answered_at_once_and_agai
 INSTANTIATE_TEST_SUITE_P(Over, ImpatientHttpServer, testing::Values(Way::unix_socket, Way::tcp),
                          [](const auto& way) { return way.param == Way::tcp ? "tcp" : "unix"; });
 
-TEST_P(ImpatientHttpServer, parts_with_who_says_nothing_or_never_ends) {
+TEST_P(ImpatientHttpServer, closes_silent_clients_and_those_that_never_complete_a_request) {
     Client silent = connect(GetParam()), slow = connect(GetParam());
     slow.send("GET /sho");
     EXPECT_TRUE(until([&] { return slow.send("r"), silent.is_closed() && slow.is_closed(); }));
@@ -114,7 +114,7 @@ TEST_P(ImpatientHttpServer, parts_with_who_says_nothing_or_never_ends) {
     EXPECT_TRUE(is_told(slow.heard(), "408 Request Timeout", "the request was not complete within 100 ms")) << slow.heard();
 }
 
-TEST_P(ImpatientHttpServer, parts_with_who_does_not_read_his_answer) {
+TEST_P(ImpatientHttpServer, closes_a_client_that_does_not_read_its_response) {
     Client client = connect(GetParam());
     client.send(get("/big"));
     std::this_thread::sleep_for(10ms);
@@ -142,7 +142,7 @@ protected:
 INSTANTIATE_TEST_SUITE_P(Over, SlowlyReadHttpServer, testing::Values(Way::unix_socket, Way::tcp),
                          [](const auto& way) { return way.param == Way::tcp ? "tcp" : "unix"; });
 
-TEST_P(SlowlyReadHttpServer, does_not_cut_its_client_off) {
+TEST_P(SlowlyReadHttpServer, does_not_close_the_client) {
     ServerLimits limits;
     limits.session.patience = 400ms;
     begin(limits);
@@ -152,7 +152,7 @@ TEST_P(SlowlyReadHttpServer, does_not_cut_its_client_off) {
     EXPECT_GT(client.heard().size(), std::size_t{16 << 20});
 }
 
-TEST_F(SlowlyReadHttpServer, leaves_its_client_the_only_place_for_a_moment) {
+TEST_F(SlowlyReadHttpServer, does_not_close_the_client_at_once_when_another_one_waits) {
     ServerLimits limits;
     limits.local.connections = 1;
     limits.session.stalled_after = 1500ms;
@@ -166,7 +166,7 @@ TEST_F(SlowlyReadHttpServer, leaves_its_client_the_only_place_for_a_moment) {
     EXPECT_TRUE(until([&] { return other.has_heard("here"); })) << "it waited in the kernel's queue";
 }
 
-TEST_P(HttpServer, at_its_end_who_waits_for_his_turn_is_let_go_and_who_is_answered_is_told_all) {
+TEST_P(HttpServer, at_the_shutdown_waiting_clients_are_closed_and_started_responses_are_completed) {
     Client reads = connect(GetParam()), waits = connect(GetParam());
     reads.send(get("/big"));
     EXPECT_TRUE(until([&] { return reads.has_heard("200 OK"); }));
@@ -182,7 +182,7 @@ TEST_P(HttpServer, at_its_end_who_waits_for_his_turn_is_let_go_and_who_is_answer
     EXPECT_GT(reads.heard().size(), std::size_t{16 << 20});
 }
 
-TEST_P(HttpServer, at_its_end_who_does_not_read_his_answer_is_let_go_when_patience_is_over) {
+TEST_P(HttpServer, at_the_shutdown_a_client_that_does_not_read_is_closed_when_patience_is_over) {
     Client reads = connect(GetParam());
     reads.send(get("/big"));
     EXPECT_TRUE(until([&] { return reads.has_heard("200 OK"); }));
@@ -192,7 +192,7 @@ TEST_P(HttpServer, at_its_end_who_does_not_read_his_answer_is_let_go_when_patien
     EXPECT_LT(reads.heard().size(), std::size_t{16 << 20});
 }
 
-TEST_F(HttpServer, who_finds_no_place_waits_in_the_kernels_queue_until_somebody_is_answered) {
+TEST_F(HttpServer, clients_above_the_quota_wait_in_the_kernels_queue_until_others_are_answered) {
     ServerLimits limits;
     limits.local.connections = 2;
     begin(limits);
@@ -204,7 +204,7 @@ TEST_F(HttpServer, who_finds_no_place_waits_in_the_kernels_queue_until_somebody_
     for (Client& client : clients) EXPECT_TRUE(until([&] { return client.has_heard("late"); }));
 }
 
-TEST_P(HttpServer, many_have_one_text) {
+TEST_P(HttpServer, many_clients_share_one_response_text) {
     auto all = std::make_shared<const std::string>(std::string(8 << 20, 'z') + "end");
     server->routes().add("GET", "/shared", [&all](const Request&) {
         Response response = text("begin");
@@ -229,7 +229,7 @@ TEST_P(HttpServer, many_have_one_text) {
     EXPECT_TRUE(answer("HEAD /shared HTTP/1.1\r\nConnection: close\r\n\r\n").ends_with("\r\n\r\n"));
 }
 
-TEST_P(HttpServer, streams_parts_as_they_come) {
+TEST_P(HttpServer, streams_parts_as_they_become_available) {
     Client client = connect(GetParam());
     source.ready = 2;
     source.part_size = 3;
@@ -263,7 +263,7 @@ TEST_F(HttpServer, a_stream_of_http_1_0_ends_with_the_connection) {
     EXPECT_TRUE(head.ends_with("\r\n\r\n")) << head;
 }
 
-TEST_P(HttpServer, a_producer_is_asked_as_the_client_takes_its_parts) {
+TEST_P(HttpServer, a_producer_is_called_as_fast_as_the_client_reads) {
     Client client = connect(GetParam());
     source.part_size = 64 * 1024;
     source.ready = 1 << 20;
@@ -291,7 +291,7 @@ TEST_P(HttpServer, a_part_may_take_several_turns_of_the_loop) {
     EXPECT_TRUE(client.heard().ends_with("\r\n0\r\n\r\n")) << client.heard();
 }
 
-TEST_P(HttpServer, a_producer_that_waits_goes_with_its_client) {
+TEST_P(HttpServer, a_waiting_producer_is_destroyed_when_its_client_disconnects) {
     Client client = connect(GetParam());
     client.send(get("/stream"));
     ASSERT_TRUE(until([&] { return source.asked == 1; }));
@@ -299,7 +299,7 @@ TEST_P(HttpServer, a_producer_that_waits_goes_with_its_client) {
     EXPECT_TRUE(until([&] { return source.gone; }));
 }
 
-TEST_P(ImpatientHttpServer, a_stream_that_is_not_read_is_cut_and_one_that_has_nothing_to_say_is_not) {
+TEST_P(ImpatientHttpServer, a_stream_that_is_not_read_is_closed_and_one_without_data_is_not) {
     Client client = connect(GetParam());
     client.send(get("/stream"));
     ASSERT_TRUE(until([&] { return source.asked == 1; }));
@@ -313,7 +313,7 @@ TEST_P(ImpatientHttpServer, a_stream_that_is_not_read_is_cut_and_one_that_has_no
     EXPECT_TRUE(until([&] { return client.is_closed(); }));
 }
 
-TEST_P(HttpServer, who_is_streamed_to_cannot_fill_us_with_requests) {
+TEST_P(HttpServer, a_streaming_client_that_sends_many_requests_is_closed) {
     Client client = connect(GetParam());
     client.send(get("/stream"));
     ASSERT_TRUE(until([&] { return source.asked == 1; }));
@@ -321,7 +321,7 @@ TEST_P(HttpServer, who_is_streamed_to_cannot_fill_us_with_requests) {
     EXPECT_TRUE(source.gone);
 }
 
-TEST_F(HttpServer, at_its_end_all_are_gone_at_once) {
+TEST_F(HttpServer, stop_closes_all_connections_at_once) {
     Client streamed = connect(), idle = connect(), half = connect();
     streamed.send(get("/stream"));
     half.send("GET /");
@@ -333,7 +333,7 @@ TEST_F(HttpServer, at_its_end_all_are_gone_at_once) {
 }
 
 // One that asks waits for a place; one that has sent nothing has none.
-TEST_F(JudgingHttpServer, clients_of_the_network_that_send_nothing_take_no_place) {
+TEST_F(JudgingHttpServer, network_clients_that_send_nothing_use_no_quota) {
     ServerLimits limits;
     limits.network.connections = 2;
     limits.network.hearing = std::chrono::hours{1};
@@ -350,7 +350,7 @@ TEST_F(JudgingHttpServer, clients_of_the_network_that_send_nothing_take_no_place
     EXPECT_FALSE(silent.front().is_closed());
 }
 
-TEST_F(JudgingHttpServer, of_too_many_that_send_nothing_those_of_the_address_with_most_give_way) {
+TEST_F(JudgingHttpServer, of_too_many_silent_clients_those_of_the_address_with_most_are_closed) {
     Client first{UniqueFd{support::connect_tcp(port, "127.9.0.2")}};
     std::vector<Client> crowd;
     for (int i = 0; i < 400; ++i) crowd.emplace_back(UniqueFd{support::connect_tcp(port, "127.9.0.1")});
@@ -363,7 +363,7 @@ TEST_F(JudgingHttpServer, of_too_many_that_send_nothing_those_of_the_address_wit
     EXPECT_TRUE(until([&] { return first.has_heard("here"); }));
 }
 
-TEST_F(JudgingHttpServer, a_crowd_that_waits_takes_at_most_half_of_the_descriptors) {
+TEST_F(JudgingHttpServer, waiting_clients_use_at_most_half_of_the_descriptors) {
     rlimit before{};
     ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &before), 0);
     std::vector<Client> crowd;

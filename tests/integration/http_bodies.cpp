@@ -8,7 +8,7 @@
 namespace http_server {
 namespace {
 
-TEST_F(HttpServer, keeps_a_large_body_in_parts_and_a_small_one_at_hand) {
+TEST_F(HttpServer, stores_a_large_body_in_parts_and_a_small_one_in_memory) {
     EXPECT_TRUE(answer(post_of(65'536)).ends_with("here 65536"));
     EXPECT_EQ(keeping.largest_part, 0u);
     EXPECT_TRUE(answer(post_of(65'537)).ends_with("stored 65537"));
@@ -23,12 +23,12 @@ TEST_F(HttpServer, keeps_a_large_body_in_parts_and_a_small_one_at_hand) {
                         "the body of a request has at most 8388608 bytes"));
 }
 
-TEST_F(HttpServer, says_why_a_large_body_can_not_be_kept) {
+TEST_F(HttpServer, reports_why_a_large_body_cannot_be_stored) {
     keeping.fault = "there is no room";
     EXPECT_TRUE(is_told(answer(post_of(1'000'000)), "507 Insufficient Storage", "there is no room"));
 }
 
-TEST_F(HttpServer, keeps_two_large_bodies_at_a_time_and_none_of_who_has_gone) {
+TEST_F(HttpServer, stores_two_large_bodies_at_a_time_and_frees_those_of_closed_clients) {
     keeping.waits = true;
     std::optional<Client> first = connect(), second = connect();
     const std::string part = post_of(1'000'000).substr(0, 300'000);
@@ -49,7 +49,7 @@ TEST_F(HttpServer, keeps_two_large_bodies_at_a_time_and_none_of_who_has_gone) {
     EXPECT_TRUE(until([&] { return answer(post_of(100'000)).ends_with("stored 100000"); })) << "the place of who left is free";
 }
 
-TEST_F(HttpServer, a_large_body_in_chunks_has_a_place_when_it_is_large) {
+TEST_F(HttpServer, a_chunked_body_uses_the_quota_of_large_bodies_once_it_is_large) {
     keeping.waits = true;
     std::vector<Client> clients;
     for (std::size_t i = 0; i < 2; ++i) {
@@ -69,7 +69,7 @@ TEST_F(HttpServer, a_large_body_in_chunks_has_a_place_when_it_is_large) {
 }
 
 // Two clients that occupy the places and send almost nothing.
-TEST_F(HttpServer, who_sends_next_to_nothing_of_a_large_body_gives_way_to_another) {
+TEST_F(HttpServer, a_client_that_sends_a_large_body_too_slowly_is_closed_for_another) {
     ServerLimits limits;
     limits.session.slow_body = 50ms;
     begin(limits);
@@ -94,7 +94,7 @@ TEST_F(HttpServer, who_sends_next_to_nothing_of_a_large_body_gives_way_to_anothe
     EXPECT_FALSE(slow[0].is_closed() && slow[1].is_closed()) << "one place was enough";
 }
 
-TEST_F(HttpServer, who_waits_to_be_told_to_send_a_body_is_told) {
+TEST_F(HttpServer, sends_100_continue_to_a_client_that_expects_it) {
     Client client = connect();
     client.send("POST /large HTTP/1.1\r\nExpect: 100-continue\r\nContent-Length: 1000000\r\n\r\n");
     ASSERT_TRUE(until([&] { return client.has_heard("\r\n\r\n"); }));
@@ -115,7 +115,7 @@ TEST_F(HttpServer, who_waits_to_be_told_to_send_a_body_is_told) {
     EXPECT_TRUE(client.heard().starts_with("HTTP/1.1 200 OK\r\n")) << "the body came without it: " << client.heard();
 }
 
-TEST_F(JudgingHttpServer, who_may_not_is_told_so_before_a_large_body_comes) {
+TEST_F(JudgingHttpServer, a_request_without_permission_is_rejected_before_a_large_body_is_received) {
     for (const std::string target : {"/large", "/echo"}) {
         EXPECT_TRUE(is_told(ask(target, ""), "401 Unauthorized", "this path needs a token")) << target;
         EXPECT_TRUE(is_told(ask(target, bearer("wrong")), "401 Unauthorized", "wrong token")) << target;
@@ -137,7 +137,7 @@ TEST_F(JudgingHttpServer, a_wrong_token_counts_once_a_request) {
 }
 
 // A slow body is accepted as long as data arrive.
-TEST_F(ImpatientHttpServer, parts_with_who_stops_in_a_large_body_and_says_so) {
+TEST_F(ImpatientHttpServer, reports_and_closes_a_client_that_stops_within_a_large_body) {
     Client slow = connect();
     slow.send(post_of(1'000'000).substr(0, 100'000));
     const auto begin = std::chrono::steady_clock::now();
@@ -147,7 +147,7 @@ TEST_F(ImpatientHttpServer, parts_with_who_stops_in_a_large_body_and_says_so) {
     EXPECT_TRUE(is_told(slow.heard(), "408 Request Timeout", "no more of the body was received for 100 ms")) << slow.heard();
 }
 
-TEST_F(ImpatientHttpServer, says_that_the_disk_is_too_slow_where_it_is) {
+TEST_F(ImpatientHttpServer, reports_that_the_disk_is_too_slow) {
     keeping.waits = true;
     Client client = connect();
     const std::string part = post_of(1'000'000).substr(0, 300'000);

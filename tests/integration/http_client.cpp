@@ -142,7 +142,7 @@ protected:
     std::unique_ptr<Server> server;
 };
 
-TEST_F(HttpClient, reads_an_answer_whole) {
+TEST_F(HttpClient, reads_a_whole_response) {
     serve();
     Request request = get("/echo");
     request.method = "POST";
@@ -156,7 +156,7 @@ TEST_F(HttpClient, reads_an_answer_whole) {
     EXPECT_EQ(ask(get("/none")).answer.status, 404u);
 }
 
-TEST_F(HttpClient, has_an_answer_without_a_loop_of_its_caller) {
+TEST_F(HttpClient, returns_a_response_without_a_loop_of_the_caller) {
     serve();
     Outcome came;
     std::atomic<bool> done{false};
@@ -169,14 +169,14 @@ TEST_F(HttpClient, has_an_answer_without_a_loop_of_its_caller) {
     EXPECT_EQ(came.answer.body.size(), 300'000u);
 }
 
-TEST_F(HttpClient, bounds_what_it_takes) {
+TEST_F(HttpClient, limits_the_length_of_a_response) {
     serve();
     ClientLimits limits;
     limits.body = 1000;
     EXPECT_EQ(ask(get("/big"), limits).fault, "the response of the gateway is longer than 1000 bytes");
 }
 
-TEST_F(HttpClient, hears_a_stream_line_by_line) {
+TEST_F(HttpClient, receives_a_stream_line_by_line) {
     serve();
     std::vector<std::string> heard;
     Client client{loop.io, path};
@@ -197,7 +197,7 @@ TEST_F(HttpClient, hears_a_stream_line_by_line) {
     EXPECT_EQ(outcome->answer.status, 200u);
 }
 
-TEST_F(HttpClient, bounds_a_line_of_a_stream) {
+TEST_F(HttpClient, limits_the_length_of_a_line_of_a_stream) {
     serve();
     ClientLimits limits;
     limits.line = 1000;
@@ -209,7 +209,7 @@ TEST_F(HttpClient, bounds_a_line_of_a_stream) {
     EXPECT_TRUE(loop.until([&] { return lines.gone; }));
 }
 
-TEST_F(HttpClient, has_the_words_of_a_stream_that_is_refused) {
+TEST_F(HttpClient, returns_the_error_of_a_refused_stream) {
     serve();
     Client client{loop.io, path};
     client.stream(
@@ -218,7 +218,7 @@ TEST_F(HttpClient, has_the_words_of_a_stream_that_is_refused) {
     EXPECT_NE(outcome->answer.body.find("did you mean '/lines'?"), std::string::npos);
 }
 
-TEST_F(HttpClient, who_leaves_in_the_middle_of_a_stream_is_gone) {
+TEST_F(HttpClient, can_be_destroyed_in_the_middle_of_a_stream) {
     serve();
     auto client = std::make_unique<Client>(loop.io, path);
     lines.ready = "one\ntwo\n";
@@ -233,7 +233,7 @@ TEST_F(HttpClient, who_leaves_in_the_middle_of_a_stream_is_gone) {
     EXPECT_FALSE(outcome) << "who left is not told";
 }
 
-TEST_F(HttpClient, speaks_by_a_web_socket_both_ways) {
+TEST_F(HttpClient, exchanges_messages_over_a_web_socket_in_both_directions) {
     serve();
     Client client{loop.io, path};
     Request request = get("/ear?id=1");
@@ -257,7 +257,7 @@ TEST_F(HttpClient, speaks_by_a_web_socket_both_ways) {
     EXPECT_FALSE(outcome);
 }
 
-TEST_F(HttpClient, is_told_why_a_web_socket_ended) {
+TEST_F(HttpClient, reports_why_a_web_socket_was_closed) {
     serve();
     Client client{loop.io, path};
     open(client, get("/ear"));
@@ -275,7 +275,7 @@ TEST_F(HttpClient, is_told_why_a_web_socket_ended) {
     EXPECT_EQ(until_outcome().fault, "the gateway closed the connection");
 }
 
-TEST_F(HttpClient, has_the_words_of_a_web_socket_that_is_refused) {
+TEST_F(HttpClient, returns_the_error_of_a_refused_web_socket) {
     serve();
     Client client{loop.io, path};
     open(client, get("/eat"));
@@ -286,7 +286,7 @@ TEST_F(HttpClient, has_the_words_of_a_web_socket_that_is_refused) {
     EXPECT_EQ(here.socket, nullptr);
 }
 
-TEST_F(HttpClient, asks_again_while_there_is_no_place) {
+TEST_F(HttpClient, retries_while_the_quota_is_used_up) {
     ServerLimits limits;
     limits.local.streams = 1;
     serve(limits);
@@ -304,7 +304,7 @@ TEST_F(HttpClient, asks_again_while_there_is_no_place) {
     EXPECT_EQ(until_outcome().answer.status, 200u);
 }
 
-TEST_F(HttpClient, without_a_gateway_says_so) {
+TEST_F(HttpClient, reports_that_no_gateway_is_running) {
     EXPECT_EQ(ask(get("/")).fault, "no gateway is running at " + path + ": socket not found (another one: --control PATH)");
     path = dir.write("file", "");
     EXPECT_EQ(ask(get("/")).fault, path + " is not a socket");
@@ -338,7 +338,7 @@ private:
     int fd_;
 };
 
-TEST_F(HttpClient, of_what_is_no_gateway_says_so) {
+TEST_F(HttpClient, reports_a_server_that_is_not_a_gateway) {
     const auto said = [&](const std::string& words) {
         path = dir / "stranger";
         const Stranger stranger{path};

@@ -92,7 +92,7 @@ private:
     std::size_t left_;
 };
 
-TEST_F(LaterAnswers, whose_length_is_told_are_followed_by_others_unless_they_end_early) {
+TEST_F(LaterAnswers, of_known_length_are_followed_by_others_unless_they_end_early) {
     const auto answer = [](std::size_t told, std::size_t made) {
         Response response;
         response.length = told;
@@ -116,7 +116,7 @@ TEST_F(LaterAnswers, whose_length_is_told_are_followed_by_others_unless_they_end
     }
 }
 
-TEST_F(LaterAnswers, take_as_long_as_they_take_where_they_are_patient) {
+TEST_F(LaterAnswers, that_are_patient_may_take_any_time) {
     SessionLimits impatient;
     impatient.patience = std::chrono::milliseconds{100};
     Server other{loop.io, {.session = impatient}};
@@ -150,7 +150,7 @@ TEST_F(LaterAnswers, take_as_long_as_they_take_where_they_are_patient) {
     other.stop();
 }
 
-TEST_F(LaterAnswers, behind_which_too_much_is_asked_end_in_words) {
+TEST_F(LaterAnswers, followed_by_too_many_request_bytes_end_with_an_error) {
     const int fd = ask("POST /job HTTP/1.1\r\nContent-Length: 0\r\n\r\n");
     ASSERT_TRUE(loop.until([&] { return waiting.size() == 1; }));
     const std::string more(20'000, 'x');
@@ -161,7 +161,7 @@ TEST_F(LaterAnswers, behind_which_too_much_is_asked_end_in_words) {
     ::close(fd);
 }
 
-TEST_F(LaterAnswers, are_waited_for_at_the_end_until_none_is_made_any_more) {
+TEST_F(LaterAnswers, are_waited_for_at_the_shutdown_until_no_more_are_produced) {
     const int in_time = ask("POST /job HTTP/1.1\r\nContent-Length: 0\r\n\r\n");
     const int in_vain = ask("POST /job HTTP/1.1\r\nContent-Length: 0\r\n\r\n");
     ASSERT_TRUE(loop.until([&] { return waiting.size() == 2; }));
@@ -182,7 +182,7 @@ TEST_F(LaterAnswers, are_waited_for_at_the_end_until_none_is_made_any_more) {
     ::close(in_vain);
 }
 
-TEST_F(LaterAnswers, for_who_has_gone_are_said_to_nobody) {
+TEST_F(LaterAnswers, for_closed_clients_are_discarded) {
     const int gone = ask("POST /work HTTP/1.1\r\nContent-Length: 0\r\nConnection: close\r\n\r\n");
     ASSERT_TRUE(loop.until([&] { return waiting.size() == 1; }));
     ::close(gone);

@@ -15,7 +15,7 @@ namespace {
 using namespace anogate;
 using namespace std::chrono_literals;
 
-TEST(FrameMemory, counts_the_names_that_frames_of_ever_other_peers_have) {
+TEST(FrameMemory, counts_the_memory_of_the_names_of_ever_new_peers) {
     const std::string long_name(60, 'x');
     std::vector<std::string> links{"udp-listen:127.0.0.1:0,name=ground"};
     for (int i = 0; i < 20; ++i) links.push_back("udp:127.0.0.1:9,bind=127.0.0.1:0,name=" + long_name + std::to_string(i));
@@ -60,7 +60,7 @@ private:
     std::uint64_t heard_ = 0;
 };
 
-TEST_F(FrameMemoryOfOneLink, has_the_last_frame_at_once) {
+TEST_F(FrameMemoryOfOneLink, contains_the_last_frame_at_once) {
     for (std::uint64_t n = 1; n <= 2; ++n) {
         ASSERT_TRUE(hears(0x03));
         EXPECT_EQ(memory->frames().frames(), n);
@@ -68,7 +68,7 @@ TEST_F(FrameMemoryOfOneLink, has_the_last_frame_at_once) {
 }
 
 // Thousands of frames are compressed together: to read them in one step would block the gateway.
-TEST_F(FrameMemoryOfOneLink, is_made_a_recording_in_steps_of_a_hundred_frames) {
+TEST_F(FrameMemoryOfOneLink, is_written_as_a_recording_in_steps_of_a_hundred_frames) {
     for (int n = 0; n < 250; ++n) ASSERT_TRUE(hears(0x03));
     for (const RecordingFormat format : {RecordingFormat::pcapng, RecordingFormat::mcap}) {
         KeptFramesWriting writing{memory->frames(), format};
@@ -80,7 +80,7 @@ TEST_F(FrameMemoryOfOneLink, is_made_a_recording_in_steps_of_a_hundred_frames) {
     }
 }
 
-TEST_F(FrameMemoryOfOneLink, keeps_what_it_has_when_more_or_others_are_to_be_kept) {
+TEST_F(FrameMemoryOfOneLink, keeps_stored_frames_when_the_time_span_or_the_filter_changes) {
     ASSERT_TRUE(hears(0x03));
     memory->change(filter, 120s);
     EXPECT_EQ(memory->figures().span, 120s);

@@ -36,7 +36,7 @@ protected:
     Daemon daemon{ANOGATED, socket, {"--config", config}};
 };
 
-TEST_F(Map, is_read_in_parts) {
+TEST_F(Map, is_served_in_ranges) {
     (void)dir.write("map.pmtiles", "0123456789");
     const std::string part = ask("Range: bytes=2-4\r\n");
     EXPECT_TRUE(part.starts_with("HTTP/1.1 206 Partial Content\r\n")) << part;
@@ -53,7 +53,7 @@ TEST_F(Map, is_read_in_parts) {
     EXPECT_TRUE(has(beyond, "\r\nContent-Range: bytes */10\r\n")) << beyond;
 }
 
-TEST_F(Map, of_many_blocks_comes_whole) {
+TEST_F(Map, of_many_blocks_is_served_completely) {
     std::string content;
     for (std::uint32_t i = 0; content.size() < 3'000'000; ++i) content += std::to_string(i * 2654435761U);
     (void)dir.write("map.pmtiles", content);
@@ -61,7 +61,7 @@ TEST_F(Map, of_many_blocks_comes_whole) {
     EXPECT_EQ(body_of(ask("Range: bytes=100000-1500000\r\n")), content.substr(100'000, 1'400'001));
 }
 
-TEST_F(Map, is_said_to_be_none_where_it_can_not_be_one) {
+TEST_F(Map, is_reported_as_invalid_if_it_is_missing_or_not_a_regular_file) {
     const auto said = [&] { return json::parse(body_of(ask("Range: bytes=0-9\r\n"))).at("error").get<std::string>(); };
     EXPECT_EQ(said(), "control.map: " + file + ": No such file or directory");
     ASSERT_EQ(::mkfifo(file.c_str(), 0600), 0);
@@ -77,9 +77,9 @@ TEST_F(Map, is_said_to_be_none_where_it_can_not_be_one) {
     EXPECT_EQ(body_of(ask("Range: bytes=0-1\r\n")), "01") << "it may lie on another disk";
 }
 
-TEST_F(Map, is_told_of_in_the_status) { EXPECT_EQ(daemon.status().at("map"), (json{{"file", file}, {"datum", "gcj02"}})); }
+TEST_F(Map, is_shown_in_the_status) { EXPECT_EQ(daemon.status().at("map"), (json{{"file", file}, {"datum", "gcj02"}})); }
 
-TEST_F(Map, that_is_not_there_is_warned_of_before_the_start) {
+TEST_F(Map, that_is_missing_causes_a_warning_before_the_start) {
     const auto checked = [&] {
         Process check{ANOGATED, {"--check", "--config", config}};
         EXPECT_EQ(check.wait(), 0);

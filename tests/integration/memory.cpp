@@ -52,7 +52,7 @@ private:
     std::deque<UdpPeer> here_;
 };
 
-TEST(Memory, who_takes_the_place_of_another_takes_no_more) {
+TEST(Memory, does_not_grow_when_new_peers_replace_others) {
     if (sanitized) GTEST_SKIP() << "a sanitizer keeps what is freed";
     const TempDir dir;
     Daemon daemon{ANOGATED, dir / "control", {"udp-listen:127.0.0.1:0,name=ground", "udp-listen:127.0.0.1:0,name=air"}};
@@ -69,7 +69,7 @@ TEST(Memory, who_takes_the_place_of_another_takes_no_more) {
 // When the thread of the log starts, it reserves some hundred megabytes of addresses for a moment.
 bool has_started(Daemon& daemon) { return daemon.until_says("ground: up"); }
 
-TEST(Memory, what_the_system_does_not_give_is_a_peer_refused) {
+TEST(Memory, shortage_rejects_a_new_peer) {
     if (sanitized) GTEST_SKIP() << "a sanitizer needs the addresses for itself";
     const TempDir dir;
     Daemon daemon{ANOGATED, dir / "control", {"udp-listen:127.0.0.1:0,name=ground"}};
@@ -105,7 +105,7 @@ bool was_heard(int fd) {
 }
 
 // Requests that arrive in pieces and are never complete use up the memory.
-TEST(Memory, what_the_system_does_not_give_is_a_request_refused) {
+TEST(Memory, shortage_rejects_a_request) {
     if (sanitized) GTEST_SKIP() << "a sanitizer needs the addresses for itself";
     const TempDir dir;
     Daemon daemon{ANOGATED, dir / "control", {"udp-listen:127.0.0.1:0,name=ground"}};
@@ -130,7 +130,7 @@ TEST(Memory, what_the_system_does_not_give_is_a_request_refused) {
 }
 
 // Each of these clients needs a channel, or memory for the frames that it watches.
-TEST(Memory, what_the_system_does_not_give_is_a_web_socket_refused) {
+TEST(Memory, shortage_rejects_a_web_socket) {
     if (sanitized) GTEST_SKIP() << "a sanitizer needs the addresses for itself";
     const TempDir dir;
     Daemon daemon{ANOGATED, dir / "control", {"sim:fc", "udp-listen:127.0.0.1:0,name=ground"}};
@@ -160,7 +160,7 @@ TEST(Memory, what_the_system_does_not_give_is_a_web_socket_refused) {
         }
 }
 
-TEST(Memory, who_asks_while_it_is_short_is_told_so) {
+TEST(Memory, shortage_is_reported_to_clients) {
     if (sanitized) GTEST_SKIP() << "a sanitizer needs the addresses for itself";
     const TempDir dir;
     Daemon daemon{ANOGATED, dir / "control", {"udp-listen:127.0.0.1:0,name=ground"}};
@@ -177,7 +177,7 @@ TEST(Memory, who_asks_while_it_is_short_is_told_so) {
     EXPECT_TRUE(daemon.until_answers()) << "there is memory again";
 }
 
-TEST(Memory, what_the_system_does_not_give_is_a_reload_refused) {
+TEST(Memory, shortage_rejects_a_reload) {
     if (sanitized) GTEST_SKIP() << "a sanitizer needs the addresses for itself";
     const TempDir dir;
     const std::string one = R"("udp-listen:127.0.0.1:0,name=ground")";

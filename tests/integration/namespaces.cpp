@@ -32,7 +32,7 @@ private:
     std::string before_;
 };
 
-TEST(Namespaces, none_is_left_behind_when_ip_fails) {
+TEST(Namespaces, are_removed_when_ip_fails) {
     ANOGATE_NEEDS_NAMESPACES();
     const auto before = named_namespaces();
     const TempDir dir;
@@ -48,7 +48,7 @@ TEST(Namespaces, none_is_left_behind_when_ip_fails) {
     EXPECT_EQ(named_namespaces(), before);
 }
 
-TEST(Namespaces, none_has_a_name_that_could_be_left_by_a_test_that_is_killed) {
+TEST(Namespaces, have_no_name_that_a_killed_test_could_leave_behind) {
     ANOGATE_NEEDS_NAMESPACES();
     const auto before = named_namespaces();
     const Namespace a, b;

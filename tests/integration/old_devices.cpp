@@ -54,7 +54,7 @@ struct OldDevices : testing::Test {
 };
 
 // It acts when it is alone, as its link is the only one with devices: it takes off although the command is for another address.
-TEST_F(OldDevices, the_simulated_one_acts_on_what_is_for_others) {
+TEST_F(OldDevices, the_simulated_one_acts_on_frames_for_other_addresses) {
     start({"sim:fc,dev_id=1,any_address"});
     ASSERT_TRUE(until_heard(1));
     send(0x44, 0xC0, take_off);
@@ -89,7 +89,7 @@ TEST_F(OldDevices, a_command_for_an_unknown_address_reaches_none_of_several) {
     EXPECT_TRUE(daemon->until([&] { return acknowledged(1, 0xC0) && is_airborne(1); })) << "its own";
 }
 
-TEST_F(OldDevices, with_their_profile_get_nothing_for_others) {
+TEST_F(OldDevices, with_their_profile_receive_no_frames_for_other_addresses) {
     start({"sim:fc,dev_id=1,any_address,name=old,profile=old"});
     ASSERT_TRUE(until_heard(1));
     const auto before = no_route();
@@ -105,7 +105,7 @@ TEST_F(OldDevices, with_their_profile_get_nothing_for_others) {
 }
 
 // The device was silent for longer than forget_after; the other device would act in its place.
-TEST_F(OldDevices, a_command_for_a_silent_device_goes_where_it_was_heard_last) {
+TEST_F(OldDevices, a_command_for_a_silent_device_is_sent_to_the_link_where_it_was_last_heard) {
     TempDir dir;
     PtyDevice silent{dir / "fc"};
     start({"sim:fc,dev_id=1,any_address,name=old", "serial:" + silent.path() + ",name=silent"}, 1s);
@@ -124,7 +124,7 @@ TEST_F(OldDevices, a_command_for_a_silent_device_goes_where_it_was_heard_last) {
     EXPECT_EQ(daemon->count("old", "frames_out"), sent);
 }
 
-TEST_F(OldDevices, frames_for_a_host_that_nobody_heard_do_not_reach_them) {
+TEST_F(OldDevices, frames_for_a_host_that_was_never_seen_are_not_sent_to_them) {
     TempDir dir;
     PtyDevice listener{dir / "listener"};
     daemon.emplace(

@@ -37,7 +37,7 @@ struct OneAddress : testing::Test {
 
 class OfTwoBoards : public OneAddress, public testing::WithParamInterface<std::uint8_t> {};
 
-TEST_P(OfTwoBoards, the_same_bytes_all_get_through) {
+TEST_P(OfTwoBoards, identical_frames_are_all_forwarded) {
     const std::uint8_t address = GetParam();
     daemon.emplace(settings_of({serial("one", one.path()), serial("two", two.path()), udp_listen("ground")}));
     ASSERT_TRUE(daemon->until_up("one") && daemon->until_up("two"));
@@ -85,7 +85,7 @@ TEST_F(OneAddress, a_board_without_an_address_gets_one_by_an_alias) {
 // The device reads a parameter back after each write with the same bytes as the host. A second device is connected too.
 class OfHostAndDevice : public OneAddress, public testing::WithParamInterface<std::tuple<std::uint8_t, bool>> {};
 
-TEST_P(OfHostAndDevice, what_the_device_sends_back_arrives) {
+TEST_P(OfHostAndDevice, frames_that_the_device_returns_arrive) {
     const std::uint8_t address = std::get<0>(GetParam());
     const bool device_first = std::get<1>(GetParam());
     PtyDevice ground{dir / "ground"};

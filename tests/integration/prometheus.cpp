@@ -79,7 +79,7 @@ protected:
     UdpPeer host;
 };
 
-TEST_F(PrometheusAndGateway, finds_nothing_wrong_with_the_text) {
+TEST_F(PrometheusAndGateway, finds_no_fault_in_the_metrics_text) {
     const std::string text = dir.write("metrics", metrics());
     EXPECT_EQ(run(promtool + " check metrics < " + text), 0);
     const std::string wrong = dir.write("wrong", metrics() + "anogate_link_up{link=\"x\"} 1 1 1\n");
@@ -130,7 +130,7 @@ protected:
     std::string address;
 };
 
-TEST_F(PrometheusScrapes, counters_under_the_names_that_links_have) {
+TEST_F(PrometheusScrapes, counters_with_the_names_of_the_links) {
     EXPECT_TRUE(wait_until([&] { return value("up") == "1"; })) << prometheus->output();
     EXPECT_EQ(value(R"(anogate_link_frames_in_total{link="g\"r\\ 地"})"), "1");
     EXPECT_EQ(value(R"(anogate_link_up{link="absent"})"), "0");
@@ -160,7 +160,7 @@ std::vector<std::string> expressions_of_dashboard(const std::string& file) {
     return all;
 }
 
-TEST_F(PrometheusScrapes, what_the_dashboard_asks_for) {
+TEST_F(PrometheusScrapes, all_metrics_that_the_dashboard_queries) {
     ASSERT_TRUE(wait_until([&] { return value("up") == "1"; })) << prometheus->output();
     const std::set<std::string> there = metrics_in(metrics());
     const auto expressions = expressions_of_dashboard(dashboard);
@@ -173,7 +173,7 @@ TEST_F(PrometheusScrapes, what_the_dashboard_asks_for) {
     for (const std::string& name : metrics_in(text_of(rules))) EXPECT_TRUE(there.contains(name)) << name;
 }
 
-TEST_F(PrometheusScrapes, and_alerts_by_the_rules) {
+TEST_F(PrometheusScrapes, and_evaluates_the_alert_rules) {
     ASSERT_TRUE(wait_until([&] { return value("up") == "1"; })) << prometheus->output();
     const std::string alerts = "curl -s http://" + address + "/api/v1/rules";
     EXPECT_TRUE(wait_until([&] {
@@ -185,7 +185,7 @@ TEST_F(PrometheusScrapes, and_alerts_by_the_rules) {
     })) << output_of(alerts);
 }
 
-TEST_F(Prometheus, finds_nothing_wrong_with_the_alert_rules) {
+TEST_F(Prometheus, finds_no_fault_in_the_alert_rules) {
     EXPECT_EQ(run(promtool + " check rules " + rules), 0);
     EXPECT_EQ(run(promtool + " test rules " ANOGATE_SOURCE_DIR "/tests/prometheus/alerts_test.yml"), 0);
 }

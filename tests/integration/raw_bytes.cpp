@@ -52,7 +52,7 @@ protected:
     ControlDoor door{{"serial:" + (dir / "fc") + ",pace=off,encoding=gbk", "udp-listen:127.0.0.1:0,name=ground"}};
 };
 
-TEST_F(RawBytes, pass_both_ways_beside_frames_that_are_forwarded_as_ever) {
+TEST_F(RawBytes, pass_in_both_directions_while_frames_are_forwarded_as_usual) {
     Ear raw{door, "/links/fc/raw"};
     ASSERT_TRUE(until_begins(raw));
     EXPECT_EQ(json::parse(raw.texts().at(0)),
@@ -72,7 +72,7 @@ TEST_F(RawBytes, pass_both_ways_beside_frames_that_are_forwarded_as_ever) {
     EXPECT_GT(ns, 1'600'000'000'000'000'000u);
 }
 
-TEST_F(RawBytes, in_exclusive_use_no_frame_is_forwarded_until_the_client_is_gone) {
+TEST_F(RawBytes, in_exclusive_use_no_frame_is_sent_on_the_link_until_the_client_disconnects) {
     {
         Ear raw{door, "/links/fc/raw?exclusive"};
         ASSERT_TRUE(until_begins(raw));
@@ -96,7 +96,7 @@ TEST_F(RawBytes, in_exclusive_use_no_frame_is_forwarded_until_the_client_is_gone
     EXPECT_TRUE(door.gateway.counters_add_up());
 }
 
-TEST_F(RawBytes, are_told_to_be_impossible_for_other_kinds) {
+TEST_F(RawBytes, are_rejected_for_other_link_kinds) {
     for (const auto& [link, status] : {std::pair{"ground", 409u}, {"nobody", 404u}}) {
         Ear raw{door, std::string{"/links/"} + link + "/raw"};
         EXPECT_TRUE(until([&] { return raw.ended.has_value(); }));
@@ -107,7 +107,7 @@ TEST_F(RawBytes, are_told_to_be_impossible_for_other_kinds) {
     }
 }
 
-TEST_F(RawBytes, who_does_not_send_to_a_link_that_is_down_is_told_so) {
+TEST_F(RawBytes, for_a_link_that_is_down_are_not_sent_and_the_client_is_notified) {
     Ear raw{door, "/links/fc/raw"};
     ASSERT_TRUE(until_begins(raw));
     device.unplug();
@@ -124,7 +124,7 @@ TEST_F(RawBytes, who_does_not_send_to_a_link_that_is_down_is_told_so) {
 }
 
 // A client that reads nothing: traffic continues, the loss is bounded, and reported when it reads again.
-TEST(RawBytesOfASlowClient, are_left_out_and_counted_while_frames_pass) {
+TEST(RawBytesOfASlowClient, are_omitted_and_counted_while_frames_are_forwarded) {
     const TempDir dir;
     PtyDevice device{dir / "fc"};
     UdpPeer station;
@@ -157,7 +157,7 @@ TEST(RawBytesOfASlowClient, are_left_out_and_counted_while_frames_pass) {
     EXPECT_EQ(terminal.wait(), 0);
 }
 
-TEST(Terminal, ends_with_its_input_when_all_is_sent) {
+TEST(Terminal, ends_when_all_input_is_sent) {
     const TempDir dir;
     PtyDevice device{dir / "fc"};
     const std::string socket = dir / "control.sock";
@@ -168,7 +168,7 @@ TEST(Terminal, ends_with_its_input_when_all_is_sent) {
     EXPECT_TRUE(wait_until([&] { return device.heard() == bytes_of("AT\nAT+1\n"); }));
 }
 
-TEST(Terminal, shows_lines_harmless_sends_lines_and_gives_the_link_back_when_it_is_killed) {
+TEST(Terminal, escapes_received_lines_sends_lines_and_releases_the_link_when_it_is_killed) {
     const TempDir dir;
     PtyDevice device{dir / "radio"};
     UdpPeer station;
@@ -205,7 +205,7 @@ public:
     std::vector<std::size_t> sizes;
 };
 
-TEST(Gap, frames_leave_one_by_one_with_a_pause_behind_each_on_serial_pty_and_udp) {
+TEST(Gap, frames_are_sent_one_by_one_with_a_pause_after_each_on_serial_pty_and_udp) {
     const TempDir dir;
     PtyDevice device{dir / "fc"};
     UdpPeer station, peer;

@@ -53,7 +53,7 @@ protected:
     }
 };
 
-TEST_F(Recordings, are_made_when_asked_and_listed_fetched_and_deleted) {
+TEST_F(Recordings, are_made_on_request_listed_fetched_and_deleted) {
     start();
     const json begun = begin({{"name", "flight"}});
     EXPECT_EQ(begun.at("name"), "flight");
@@ -91,7 +91,7 @@ TEST_F(Recordings, are_made_when_asked_and_listed_fetched_and_deleted) {
     refuses(404, "GET", "/recordings/flight.pcapng", {}, "there is no recording flight.pcapng");
 }
 
-TEST_F(Recordings, are_ended_by_their_name_with_its_ending_or_without_whichever_file_is_written) {
+TEST_F(Recordings, are_ended_by_name_with_or_without_extension_whichever_file_is_being_written) {
     start(R"(, "record": {"start": false, "rotate": {"size": "20kB"}})");
     for (std::string name : {"flight", "flight.pcapng", ""}) {
         begin({{"name", "flight"}});
@@ -108,7 +108,7 @@ TEST_F(Recordings, are_ended_by_their_name_with_its_ending_or_without_whichever_
     }
 }
 
-TEST_F(Recordings, hold_what_their_filters_say_and_end_after_a_time) {
+TEST_F(Recordings, contain_frames_that_pass_their_filters_and_end_after_the_given_time) {
     start();
     begin({{"name", "in"}, {"id", {"wind"}}, {"seconds", 1}});
     begin({{"name", "all"}, {"direction", {"in", "out", "dropped"}}, {"from", "0xDD"}, {"link", "a"}});
@@ -123,7 +123,7 @@ TEST_F(Recordings, hold_what_their_filters_say_and_end_after_a_time) {
     for (const auto& item : read_pcapng(content("all.pcapng")).items) EXPECT_EQ(item.frame, wind);
 }
 
-TEST_F(Recordings, are_named_as_every_system_takes_it_and_by_the_time_otherwise) {
+TEST_F(Recordings, have_portable_names_and_are_named_by_the_time_by_default) {
     start();
     for (const char* name : {"../x", "a/b", ".x", "..", "a b", "ä", "x\n"})
         refuses(422, "POST", "/recordings", json{{"name", name}}.dump(), "no leading dot");
@@ -144,7 +144,7 @@ TEST_F(Recordings, are_named_as_every_system_takes_it_and_by_the_time_otherwise)
     EXPECT_EQ(file_called(std::string(100, 'x') + ".pcapng").at("state"), "ended");
 }
 
-TEST_F(Recordings, are_four_at_once_at_most_beside_that_of_the_configuration) {
+TEST_F(Recordings, are_limited_to_four_at_once_in_addition_to_the_configured_one) {
     start(R"(, "record": {})");
     for (const char* name : {"1", "2", "3", "4"}) begin({{"name", name}});
     refuses(409, "POST", "/recordings", R"({"name": "5"})", "4 requested recordings");
@@ -153,7 +153,7 @@ TEST_F(Recordings, are_four_at_once_at_most_beside_that_of_the_configuration) {
     EXPECT_EQ(get().at("running").size(), 5u);
 }
 
-TEST_F(Recordings, leave_everything_alone_that_the_gateway_did_not_write) {
+TEST_F(Recordings, leave_files_alone_that_the_gateway_did_not_write) {
     fs::create_directories(folder);
     const std::string secret = dir.write("secret.pcapng", "secret");
     std::ofstream{folder + "/notes.pcapng"} << "not ours";
@@ -200,7 +200,7 @@ TEST_F(Recordings, are_fetched_in_ranges) {
     EXPECT_EQ(body_of(head), "");
 }
 
-TEST_F(Recordings, begin_with_the_gateway_and_end_with_it_where_the_configuration_says_so) {
+TEST_F(Recordings, begin_and_end_with_the_gateway_if_configured) {
     start(R"(, "record": {"direction": ["in", "out"]})");
     ASSERT_TRUE(until([](const json& all) { return all.at("running").size() == 1 && all.at("running")[0].at("files") == 1; }));
     EXPECT_EQ(get().at("running").at(0).at("by"), "configuration");
@@ -212,7 +212,7 @@ TEST_F(Recordings, begin_with_the_gateway_and_end_with_it_where_the_configuratio
     EXPECT_EQ(read.items.size(), 20u);
 }
 
-TEST_F(Recordings, lose_a_second_at_most_when_the_gateway_is_killed_and_are_made_whole_at_the_next_start) {
+TEST_F(Recordings, lose_at_most_a_second_when_the_gateway_is_killed_and_are_repaired_at_the_next_start) {
     start(R"(, "record": {})");
     send_numbered(30);
     std::this_thread::sleep_for(std::chrono::seconds{1});    // until no earlier frame can be missing
@@ -231,7 +231,7 @@ TEST_F(Recordings, lose_a_second_at_most_when_the_gateway_is_killed_and_are_made
     for (std::size_t i = 0; i < read.items.size(); ++i) EXPECT_EQ(read.items[i].frame, numbered(0xDC, 0xFF, static_cast<int>(i)));
 }
 
-TEST_F(Recordings, go_on_without_a_gap_when_a_reload_does_not_concern_them) {
+TEST_F(Recordings, continue_without_a_gap_when_a_reload_does_not_affect_them) {
     start(R"(, "record": {})");
     send_numbered(20);
     const json before = get().at("running").at(0);
@@ -262,7 +262,7 @@ TEST_F(Recordings, go_on_without_a_gap_when_a_reload_does_not_concern_them) {
     for (std::size_t i = 0; i < all.size(); ++i) EXPECT_EQ(all[i], numbered(0xDC, 0xFF, static_cast<int>(i)));
 }
 
-TEST_F(Recordings, of_a_disk_without_room_are_told_of_within_a_second_and_frames_go_on) {
+TEST_F(Recordings, on_a_disk_without_free_space_report_an_error_within_a_second_while_frames_are_forwarded) {
     start(R"(, "record": {"free": "1000000GB"})");
     const auto begun = std::chrono::steady_clock::now();
     const auto is_failing = [](const json& status) {
@@ -282,7 +282,7 @@ TEST_F(Recordings, of_a_disk_without_room_are_told_of_within_a_second_and_frames
     EXPECT_TRUE(names().empty());
 }
 
-TEST_F(Recordings, of_a_disk_that_can_only_be_read_at_the_start_are_told_of_and_begin_when_it_is_well) {
+TEST_F(Recordings, on_a_disk_that_is_read_only_at_first_report_an_error_and_begin_when_it_is_writable) {
     fs::create_directories(folder);
     const SmallDisk disk{folder, "4m"};
     if (!disk.why_not().empty() || !disk.read_only(true)) GTEST_SKIP() << disk.why_not();
@@ -305,7 +305,7 @@ TEST_F(Recordings, of_a_disk_that_can_only_be_read_at_the_start_are_told_of_and_
     EXPECT_EQ(read_pcapng(content(names()[0])).items.size(), 20u);
 }
 
-TEST_F(Recordings, of_a_disk_that_is_full_are_told_of_within_a_second_and_what_is_missing_is_counted) {
+TEST_F(Recordings, on_a_full_disk_report_an_error_within_a_second_and_count_the_missing_frames) {
     fs::create_directories(folder);
     const SmallDisk disk{folder, "64k"};
     if (!disk.why_not().empty()) GTEST_SKIP() << disk.why_not();
@@ -326,7 +326,7 @@ TEST_F(Recordings, of_a_disk_that_is_full_are_told_of_within_a_second_and_what_i
     EXPECT_EQ(metric("anogate_recording_not_written_total"), ended.at("not_written").dump());
 }
 
-TEST_F(Recordings, are_ended_and_begun_anew_and_deleted_by_their_size_as_the_configuration_says) {
+TEST_F(Recordings, are_rotated_and_deleted_by_size_as_configured) {
     start(R"(, "record": {"rotate": {"size": "20kB"}, "keep": {"size": "100kB"}})");
     // The first look treats the files that it finds as older ones.
     ASSERT_TRUE(until([](const json& all) { return !all.at("free_bytes").is_null(); }));
@@ -357,7 +357,7 @@ TEST_F(Recordings, are_ended_and_begun_anew_and_deleted_by_their_size_as_the_con
     EXPECT_EQ(numbers.back(), sent_ - 1);
 }
 
-TEST_F(Recordings, of_the_last_while_are_saved_when_asked_for) {
+TEST_F(Recordings, of_recent_frames_are_saved_on_request) {
     start(R"(, "record": {"start": false, "keep_last": "60s"})");
     send_numbered(40);
     EXPECT_TRUE(until([](const json& all) { return all.at("keep_last").at("frames") == 40; }));
@@ -377,7 +377,7 @@ TEST_F(Recordings, of_the_last_while_are_saved_when_asked_for) {
     refuses(422, "POST", "/recordings", R"({"last": true, "id": "euler"})", "as it is");
 }
 
-TEST_F(Recordings, of_the_last_while_lose_nothing_when_a_reload_says_to_keep_more) {
+TEST_F(Recordings, of_recent_frames_lose_nothing_when_a_reload_extends_the_time_span) {
     start(R"(, "record": {"start": false, "keep_last": "60s"})");
     send_numbered(40);
     write_config(R"(, "record": {"start": false, "keep_last": "120s"})");
@@ -387,7 +387,7 @@ TEST_F(Recordings, of_the_last_while_lose_nothing_when_a_reload_says_to_keep_mor
     EXPECT_EQ(read_pcapng(content("incident.pcapng")).items.size(), 40u);
 }
 
-TEST_F(Recordings, of_the_last_while_that_are_larger_than_all_may_be_stay_until_they_can_be_fetched) {
+TEST_F(Recordings, of_recent_frames_that_exceed_the_size_limit_stay_until_they_can_be_fetched) {
     start(R"(, "record": {"keep_last": "60s", "rotate": {"size": "10kB"}, "keep": {"size": "100kB"}})");
     send_numbered(1500);
     ASSERT_TRUE(until([](const json& all) {
@@ -404,7 +404,7 @@ TEST_F(Recordings, of_the_last_while_that_are_larger_than_all_may_be_stay_until_
     EXPECT_EQ(read_pcapng(content("incident.pcapng")).items.size(), 1500u);
 }
 
-TEST_F(Recordings, of_the_last_while_are_saved_when_a_device_logs_a_fault_but_once_a_minute_at_most) {
+TEST_F(Recordings, of_recent_frames_are_saved_when_a_device_logs_a_fault_at_most_once_a_minute) {
     start(R"(, "record": {"start": false, "keep_last": "60s", "id": ["euler"]}, "routes": [{"address": "0xDC", "link": "a"}])");
     send(frame(0xDC, 0xFF, 0xA0, {0, 'o', 'k'}));
     for (const std::uint8_t stranger : Bytes{0x21, 0x22}) send(frame(stranger, 0xFF, 0xA0, {1, 'b', 'a', 'd'}));
@@ -422,7 +422,7 @@ TEST_F(Recordings, of_the_last_while_are_saved_when_a_device_logs_a_fault_but_on
     EXPECT_EQ(get().at("keep_last").at("saved"), 1);
 }
 
-TEST_F(Recordings, of_the_last_while_are_saved_for_a_device_at_a_serial_port_but_for_nobody_in_its_name) {
+TEST_F(Recordings, of_recent_frames_are_saved_for_a_fault_of_a_serial_device_but_not_for_a_forged_one) {
     PtyDevice device{dir / "tty"};
     start(R"(, "record": {"start": false, "keep_last": "60s"})", R"(, "serial:)" + (dir / "tty") + R"(,name=fc")");
     ASSERT_TRUE(gateway->until_up("fc"));
@@ -435,7 +435,7 @@ TEST_F(Recordings, of_the_last_while_are_saved_for_a_device_at_a_serial_port_but
     EXPECT_TRUE(until([](const json& all) { return all.at("keep_last").at("saved") == 1; })) << gateway->output();
 }
 
-TEST_F(Recordings, of_the_last_while_are_saved_when_a_link_is_lost) {
+TEST_F(Recordings, of_recent_frames_are_saved_when_a_link_is_lost) {
     PtyDevice device{dir / "tty"};
     start(R"(, "record": {"start": false, "keep_last": "60s"})", R"(, "serial:)" + (dir / "tty") + R"(,name=fc")");
     ASSERT_TRUE(gateway->until_up("fc"));
@@ -447,7 +447,7 @@ TEST_F(Recordings, of_the_last_while_are_saved_when_a_link_is_lost) {
     EXPECT_EQ(read_pcapng(content(name)).items.size(), 10u);
 }
 
-TEST_F(Recordings, are_deleted_as_the_configuration_says_and_only_those_that_the_gateway_wrote) {
+TEST_F(Recordings, are_deleted_as_configured_if_the_gateway_wrote_them) {
     fs::create_directories(folder);
     std::ofstream{folder + "/notes.pcapng"} << std::string(100'000, 'x');
     start();
@@ -465,7 +465,7 @@ TEST_F(Recordings, are_deleted_as_the_configuration_says_and_only_those_that_the
     EXPECT_EQ(names(), (std::vector<std::string>{"notes.pcapng", "second.pcapng", "third.pcapng"}));
 }
 
-TEST_F(Recordings, of_the_minute_before_a_restart_stay_whatever_is_kept) {
+TEST_F(Recordings, of_the_minute_before_a_restart_stay_even_above_the_limits_of_keep) {
     start();
     for (const char* name : {"old", "last", "newest"}) {
         begin({{"name", name}});
@@ -513,7 +513,7 @@ TEST_F(Recordings, of_a_gateway_that_is_a_device_are_started_and_stopped_by_its_
     EXPECT_NE(call("STOP_RECORDING"), 200u);
 }
 
-TEST_F(Recordings, are_seen_but_not_made_or_deleted_with_a_token_to_look) {
+TEST_F(Recordings, are_listed_and_fetched_but_not_made_or_deleted_with_the_read_only_token) {
     const std::string looks = "view-token-0123456789";
     fs::permissions(dir.write("token", "view " + looks + "\n"), fs::perms{0600});
     start("", {});

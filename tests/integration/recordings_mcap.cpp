@@ -66,7 +66,7 @@ protected:
     }
 };
 
-TEST_F(RecordingsAsMcap, hold_every_frame_and_what_it_says) {
+TEST_F(RecordingsAsMcap, contain_every_frame_and_its_decoded_message) {
     start();
     EXPECT_EQ(begin({{"name", "m"}, {"format", "mcap"}}).at("file"), "m.mcap");
     send_numbered(50);
@@ -95,7 +95,7 @@ TEST_F(RecordingsAsMcap, hold_every_frame_and_what_it_says) {
     EXPECT_TRUE(names().empty());
 }
 
-TEST_F(RecordingsAsMcap, of_the_last_while_are_fetched_and_saved) {
+TEST_F(RecordingsAsMcap, of_recent_frames_are_fetched_and_saved) {
     start(R"(, "record": {"start": false, "keep_last": "60s"})");
     send_numbered(40);
     send_eulers(5, 45);
@@ -117,7 +117,7 @@ TEST_F(RecordingsAsMcap, of_the_last_while_are_fetched_and_saved) {
     EXPECT_EQ(file_called("incident.mcap").at("frames"), 45);
 }
 
-TEST_F(RecordingsAsMcap, have_decoded_messages_as_the_configuration_says_or_who_asks) {
+TEST_F(RecordingsAsMcap, encode_decoded_messages_as_configured_or_requested) {
     start(R"(, "record": {"start": false, "format": "mcap", "message_encoding": "json", "keep_last": "60s"})");
     begin({{"name", "usual"}});
     begin({{"name", "asked"}, {"message_encoding", "cdr"}});
@@ -156,7 +156,7 @@ TEST_F(RecordingsAsMcap, begin_with_the_gateway_and_end_with_it) {
     holds_numbered(read, 20);
 }
 
-TEST_F(RecordingsAsMcap, lose_a_second_at_most_when_the_gateway_is_killed_and_are_made_whole_at_the_next_start) {
+TEST_F(RecordingsAsMcap, lose_at_most_a_second_when_the_gateway_is_killed_and_are_repaired_at_the_next_start) {
     start(R"(, "record": {"format": "mcap"})");
     send_numbered(30);
     send_eulers(5, 35);

@@ -72,7 +72,7 @@ protected:
     UdpPeer ground;
 };
 
-TEST_F(Replay, says_what_came_in_in_its_order_and_then_that_it_is_at_its_end) {
+TEST_F(Replay, replays_received_frames_in_their_order_and_then_reports_its_end) {
     std::vector<KeptItem> items;
     Frames expected;
     for (std::uint8_t i = 0; i < 100; ++i) {
@@ -97,7 +97,7 @@ TEST_F(Replay, says_what_came_in_in_its_order_and_then_that_it_is_at_its_end) {
     EXPECT_TRUE(daemon.counters_add_up());
 }
 
-TEST_F(Replay, says_what_an_mcap_file_has_and_of_one_that_was_cut_all_before_the_cut) {
+TEST_F(Replay, replays_an_mcap_file_and_everything_before_the_cut_of_a_truncated_one) {
     std::vector<KeptItem> items;
     Frames expected;
     for (std::uint8_t i = 0; i < 100; ++i) {
@@ -129,7 +129,7 @@ TEST_F(Replay, says_what_an_mcap_file_has_and_of_one_that_was_cut_all_before_the
     EXPECT_TRUE(log.news(daemon.gateway()).empty()) << "each once";
 }
 
-TEST_F(Replay, goes_on_behind_a_damaged_chunk_and_tells_it) {
+TEST_F(Replay, continues_after_a_damaged_chunk_and_reports_it) {
     std::vector<KeptItem> items;
     Frames expected;
     for (std::uint8_t i = 0; i < 100; ++i) {
@@ -149,7 +149,7 @@ TEST_F(Replay, goes_on_behind_a_damaged_chunk_and_tells_it) {
         << daemon.status();
 }
 
-TEST_F(Replay, keeps_the_distances_of_the_frames_and_is_as_much_faster_as_is_asked) {
+TEST_F(Replay, keeps_the_time_between_frames_and_applies_the_requested_speed) {
     const std::vector<KeptItem> items{said(numbered(0), 0s), said(numbered(1), 200ms), said(numbered(2), 400ms)};
     const auto took = [&](const std::string& keys) {
         RunningGateway daemon{settings_of_texts({link(items, keys), ground.link("ground")})};
@@ -165,14 +165,14 @@ TEST_F(Replay, keeps_the_distances_of_the_frames_and_is_as_much_faster_as_is_ask
     EXPECT_LT(took(",rate=0"), 100ms);
 }
 
-TEST_F(Replay, plays_the_part_and_the_links_that_are_asked_for) {
+TEST_F(Replay, replays_only_the_requested_part_and_links) {
     const std::vector<KeptItem> items{said(numbered(0), 0s), said(numbered(1), 1h), said(numbered(2), 1h + 1ms, "radio"),
                                       said(numbered(3), 1h + 2ms, "imu"), said(numbered(4), 2h)};
     RunningGateway daemon{settings_of_texts({link(items, ",from=1h,to=2h,links=fc+imu"), ground.link("ground")})};
     EXPECT_EQ(all_heard(daemon, ground), (Frames{numbered(1), numbered(3)}));
 }
 
-TEST_F(Replay, of_which_nothing_is_to_be_said_tells_why) {
+TEST_F(Replay, reports_why_there_is_nothing_to_replay) {
     const std::vector<KeptItem> items{said(numbered(0), 0s), said(numbered(1), 20s)};
     const std::pair<const char*, const char*> asked[] = {
         {",links=radio", "there is no link radio in it; it has fc"},
@@ -192,7 +192,7 @@ TEST_F(Replay, of_which_nothing_is_to_be_said_tells_why) {
     }
 }
 
-TEST_F(Replay, begins_again_at_its_end_where_that_is_asked_for) {
+TEST_F(Replay, starts_again_at_its_end_if_requested) {
     RunningGateway daemon{
         settings_of_texts({link({said(numbered(0), 0s), said(numbered(1), 1ms)}, ",loop"), ground.link("ground")})};
     ASSERT_TRUE(daemon.until([&] { return daemon.count("flight", "frames_in") >= 20; }));
@@ -201,7 +201,7 @@ TEST_F(Replay, begins_again_at_its_end_where_that_is_asked_for) {
     for (std::size_t i = 0; i < heard.size(); ++i) EXPECT_EQ(heard[i], numbered(i % 2));
 }
 
-TEST_F(Replay, a_recording_that_takes_no_time_is_no_storm_in_a_loop) {
+TEST_F(Replay, a_looped_recording_of_no_duration_is_replayed_at_a_limited_rate) {
     RunningGateway daemon{settings_of_texts({link({said(numbered(0), 0s)}, ",loop"), ground.link("ground")})};
     ASSERT_TRUE(daemon.until([&] { return daemon.count("flight", "frames_in") >= 1; }));
     const auto begin = anogate::Clock::now();
@@ -209,7 +209,7 @@ TEST_F(Replay, a_recording_that_takes_no_time_is_no_storm_in_a_loop) {
     EXPECT_GE(anogate::Clock::now() - begin, 250ms);
 }
 
-TEST_F(Replay, keeps_back_what_may_command_a_vehicle_and_counts_it) {
+TEST_F(Replay, omits_frames_that_may_command_a_vehicle_and_counts_them) {
     const Bytes command = frame(0x30, fc, 0xC0, {1, 0}), acts = frame(0x30, fc, 0xE0, {0x10, 1}),
                 of_host = frame(host, fc, 0x03, {0, 0, 0, 0, 0, 0, 1}), tunnel = frame(0x30, fc, 0xB1, {1, 2, 3});
     const std::vector<KeptItem> items{said(command, 0s), said(acts, 0s), said(of_host, 0s), said(tunnel, 0s),
@@ -226,7 +226,7 @@ TEST_F(Replay, keeps_back_what_may_command_a_vehicle_and_counts_it) {
     EXPECT_EQ(daemon.link("flight")["kept_back_commands"], 0);
 }
 
-TEST_F(Replay, a_device_that_is_alive_keeps_its_address_and_one_that_comes_later_has_it_at_once) {
+TEST_F(Replay, a_live_device_has_its_address_at_once_and_keeps_it) {
     UdpPeer vehicle;
     RunningGateway daemon{settings_of_texts(
         {link({said(numbered(7), 0s), said(numbered(7), 20ms)}, ",loop"), ground.link("ground"), vehicle.link("vehicle")})};
@@ -247,7 +247,7 @@ TEST_F(Replay, a_device_that_is_alive_keeps_its_address_and_one_that_comes_later
     EXPECT_EQ(daemon.status()["conflicts"], json::array());
 }
 
-TEST_F(Replay, takes_no_frames) {
+TEST_F(Replay, accepts_no_frames) {
     anogate::Settings settings = settings_of_texts({link({said(numbered(0), 0s)}), ground.link("ground")});
     settings.routes = {{0x33, 0x33, "flight"}};
     RunningGateway daemon{settings};
@@ -261,7 +261,7 @@ TEST_F(Replay, takes_no_frames) {
     EXPECT_TRUE(daemon.counters_add_up());
 }
 
-TEST_F(Replay, a_file_that_is_not_there_yet_is_waited_for) {
+TEST_F(Replay, a_missing_file_is_waited_for) {
     const std::string file = dir / "flight.pcapng";
     RunningGateway daemon{settings_of_texts({"replay:" + file, ground.link("ground")})};
     ASSERT_TRUE(daemon.until([&] { return daemon.link("flight")["error_id"] == "no_recording"; })) << daemon.status();
@@ -274,7 +274,7 @@ TEST_F(Replay, a_file_that_is_not_there_yet_is_waited_for) {
     EXPECT_EQ(all_heard(daemon, ground), Frames{numbered(0)});
 }
 
-TEST_F(Replay, of_a_file_that_was_cut_or_damaged_the_whole_frames_are_said_and_what_is_wrong_is_told) {
+TEST_F(Replay, of_a_truncated_or_damaged_file_sends_the_whole_frames_and_reports_the_damage) {
     const std::string whole = write_pcapng({said(numbered(0), 0s), said(numbered(1), 1ms)}, {"anogate"}, false);
     for (const bool is_cut : {true, false}) {
         dir.write("flight.pcapng", is_cut ? whole.substr(0, whole.size() - 5) : whole + std::string(64, '\1'));
@@ -286,7 +286,7 @@ TEST_F(Replay, of_a_file_that_was_cut_or_damaged_the_whole_frames_are_said_and_w
     }
 }
 
-TEST_F(Replay, what_is_no_file_is_told_and_not_waited_for) {
+TEST_F(Replay, a_pipe_or_folder_is_reported_and_does_not_block) {
     const std::string file = dir / "flight.pcapng";
     for (const bool is_pipe : {true, false}) {
         ASSERT_EQ(is_pipe ? ::mkfifo(file.c_str(), 0600) : ::mkdir(file.c_str(), 0700), 0);
@@ -304,7 +304,7 @@ TEST_F(Replay, what_is_no_file_is_told_and_not_waited_for) {
     }
 }
 
-TEST_F(Replay, a_disk_that_hangs_holds_up_nobody_and_is_told) {
+TEST_F(Replay, a_hanging_disk_delays_no_other_link_and_is_reported) {
     const std::string bytes = write_pcapng({said(numbered(0), 0s), said(numbered(1), 1ms)}, {"anogate"});
     const std::size_t half = write_pcapng({said(numbered(0), 0s)}, {"anogate"}, false).size();
     const std::string file = dir.write("flight.pcapng", bytes);
@@ -323,7 +323,7 @@ TEST_F(Replay, a_disk_that_hangs_holds_up_nobody_and_is_told) {
     EXPECT_EQ(daemon.link("flight")["error"], "");
 }
 
-TEST_F(Replay, a_gateway_ends_while_its_disk_hangs) {
+TEST_F(Replay, the_gateway_stops_while_the_disk_hangs) {
     const HangingFile disk{recording({said(numbered(0), 0s)})};
     RunningGateway daemon{settings_of_texts({"replay:" + (dir / "flight.pcapng"), ground.link("ground")})};
     ASSERT_TRUE(daemon.until([&] { return HangingFile::readers() == 1; }));
@@ -357,7 +357,7 @@ TEST_F(Replay, at_rate_0_a_slow_line_gets_every_frame) {
 }
 
 // Without a gateway.
-TEST_F(Replay, by_anoctl_at_rate_0_gives_a_slow_line_every_frame_as_well) {
+TEST_F(Replay, by_anoctl_at_rate_0_sends_every_frame_to_a_slow_line_as_well) {
     std::vector<KeptItem> items;
     Frames expected;
     for (unsigned i = 0; i < 400; ++i) {
@@ -375,7 +375,7 @@ TEST_F(Replay, by_anoctl_at_rate_0_gives_a_slow_line_every_frame_as_well) {
     EXPECT_EQ(split(slow.heard()).frames, expected);
 }
 
-TEST_F(Replay, of_many_links_leaves_channels_to_those_who_are_alive) {
+TEST_F(Replay, of_many_links_leaves_channels_for_live_links) {
     std::vector<KeptItem> items;
     for (std::uint8_t i = 0; i < 100; ++i) items.push_back(said(numbered(i), 0s, "link" + std::to_string(i)));
     RunningGateway daemon{settings_of_texts({link(items), "udp-listen:127.0.0.1:0,name=air", ground.link("ground")})};
@@ -387,7 +387,7 @@ TEST_F(Replay, of_many_links_leaves_channels_to_those_who_are_alive) {
     EXPECT_TRUE(daemon.until([&] { return daemon.link("air")["channels"].size() == 1; }));
 }
 
-TEST_F(Replay, names_of_links_are_shown_without_what_a_terminal_or_a_log_obeys_and_not_at_any_length) {
+TEST_F(Replay, names_of_links_are_shown_with_control_characters_escaped_and_limited_in_length) {
     const std::string forged = "\x1b[31mred\a\r\n2026-01-01 all is well";
     const std::vector<KeptItem> items{said(numbered(0), 0s, forged), said(numbered(1), 0s, "\xff(\n"),
                                       said(numbered(2), 0s, std::string(1000, 'L'))};
@@ -402,7 +402,7 @@ TEST_F(Replay, names_of_links_are_shown_without_what_a_terminal_or_a_log_obeys_a
 
 // Compressed equal frames take a thousandth of their size, so one read of the file contains megabytes of them. Every second one
 // is left out, and that count shows how far the file was read.
-TEST_F(Replay, of_frames_that_were_packed_well_no_more_are_unpacked_than_are_read_ahead) {
+TEST_F(Replay, of_highly_compressed_frames_decompresses_only_those_read_ahead) {
     std::vector<KeptItem> items;
     const Bytes wanted = frame(fc, all, 0xF1, Bytes(4000, 0)), kept_back = frame(fc, 0xDD, 0x40, Bytes(4000, 0));
     for (unsigned i = 0; i < 2000; ++i) {
@@ -434,7 +434,7 @@ TEST_F(Replay, of_frames_that_were_packed_well_no_more_are_unpacked_than_are_rea
 }
 
 // With the real programs.
-TEST_F(Replay, what_was_recorded_replayed_and_recorded_again_is_the_same) {
+TEST_F(Replay, a_recording_that_is_replayed_and_recorded_again_is_the_same) {
     std::vector<KeptItem> items;
     Frames expected;
     for (unsigned i = 0; i < 2000; ++i) {

@@ -136,7 +136,7 @@ TEST_F(Restart, a_peer_that_only_listens_is_still_served) {
     EXPECT_TRUE(hears(listener, news));
 }
 
-TEST_F(Restart, a_copy_by_another_link_of_the_group_is_still_one) {
+TEST_F(Restart, a_copy_on_another_link_of_the_group_is_still_recognized) {
     PtyDevice device{dir / "fc"}, radio{dir / "radio"}, cable{dir / "cable"};
     configure({"serial:" + device.path() + ",name=fc", "serial:" + radio.path() + ",name=radio,group=vehicle",
                "serial:" + cable.path() + ",name=cable,group=vehicle"});
@@ -175,7 +175,7 @@ TEST_F(Restart, a_learned_address_is_not_flooded) {
     EXPECT_EQ(std::search(all.begin(), all.end(), to_first.begin(), to_first.end()), all.end());
 }
 
-TEST_F(Restart, a_frame_that_was_half_there_is_whole_afterwards) {
+TEST_F(Restart, a_half_received_frame_is_completed_afterwards) {
     PtyDevice device{dir / "fc"};
     configure({"serial:" + device.path() + ",name=fc", "udp-listen:127.0.0.1:0,name=ground"});
     ASSERT_TRUE(start());
@@ -193,7 +193,7 @@ TEST_F(Restart, a_frame_that_was_half_there_is_whole_afterwards) {
 }
 
 // Bytes that wait on a wire may be as old as the restart. A wire that was silent has no old bytes.
-TEST_F(Restart, the_first_frame_on_a_silent_line_is_as_young_as_it_is) {
+TEST_F(Restart, the_first_frame_on_a_silent_line_is_not_treated_as_old) {
     PtyDevice device{dir / "fc"};
     configure({"serial:" + device.path() + ",name=fc", "udp-listen:127.0.0.1:0,name=ground,age.rest=50ms"});
     ASSERT_TRUE(start());
@@ -209,7 +209,7 @@ TEST_F(Restart, the_first_frame_on_a_silent_line_is_as_young_as_it_is) {
     EXPECT_TRUE(hears(peer, first));
 }
 
-TEST_F(Restart, a_good_frame_behind_a_false_header_comes_without_more_bytes) {
+TEST_F(Restart, a_good_frame_after_a_false_header_is_forwarded_without_more_bytes) {
     PtyDevice device{dir / "fc"};
     configure({"serial:" + device.path() + ",name=fc,age.rest=1m", "udp-listen:127.0.0.1:0,name=ground,age.rest=1m"});
     ASSERT_TRUE(start());
@@ -224,7 +224,7 @@ TEST_F(Restart, a_good_frame_behind_a_false_header_comes_without_more_bytes) {
     EXPECT_TRUE(hears(peer, good));
 }
 
-TEST_F(Restart, who_was_at_home_first_comes_back_still) {
+TEST_F(Restart, the_original_link_of_a_device_can_still_regain_its_address) {
     PtyDevice home{dir / "home"}, thief{dir / "thief"};
     configure({"serial:" + home.path() + ",name=home", "serial:" + thief.path() + ",name=thief"});
     ASSERT_TRUE(start());
@@ -245,7 +245,7 @@ TEST_F(Restart, who_was_at_home_first_comes_back_still) {
     }));
 }
 
-TEST_F(Restart, what_was_behind_another_wire_is_forgotten) {
+TEST_F(Restart, devices_of_a_port_that_was_swapped_are_forgotten) {
     PtyDevice left{dir / "a"}, right{dir / "b"};
     std::filesystem::create_symlink(left.terminal(), dir / "left");
     std::filesystem::create_symlink(right.terminal(), dir / "right");
@@ -266,7 +266,7 @@ TEST_F(Restart, what_was_behind_another_wire_is_forgotten) {
     EXPECT_TRUE(wait_until([&] { return links_of("0xDC") == json::array({"right"}); }));
 }
 
-TEST_F(Restart, of_a_multicast_group_no_socket_is_kept) {
+TEST_F(Restart, does_not_store_the_socket_of_a_multicast_group) {
     const std::string port = std::to_string(UdpPeer{}.port());
     configure({"udp:239.9.9.1:" + port + ",bind=127.0.0.1:" + port + ",name=group"});
     ASSERT_TRUE(start());
@@ -276,7 +276,7 @@ TEST_F(Restart, of_a_multicast_group_no_socket_is_kept) {
 }
 
 // Within TimeoutStopSec= of the unit.
-TEST_F(Restart, a_manager_who_does_not_answer_makes_the_end_little_longer) {
+TEST_F(Restart, a_service_manager_that_does_not_answer_delays_the_stop_only_briefly) {
     json links = json::array();
     for (int i = 0; i < 40; ++i) links.push_back("udp-listen:127.0.0.1:0,name=l" + std::to_string(i));
     configure(links);
@@ -285,7 +285,7 @@ TEST_F(Restart, a_manager_who_does_not_answer_makes_the_end_little_longer) {
     EXPECT_EQ(service->wait(std::chrono::seconds{5}), 0);
 }
 
-TEST_F(Restart, what_is_no_longer_configured_is_closed) {
+TEST_F(Restart, stored_ports_that_are_no_longer_configured_are_closed) {
     PtyDevice device{dir / "fc"};
     configure(
         {"serial:" + device.path() + ",name=fc", "udp-listen:127.0.0.1:0,name=ground", "pty:" + (dir / "app") + ",name=app"});
@@ -321,7 +321,7 @@ TEST_F(Restart, a_stored_port_is_not_used_for_another_device) {
     EXPECT_TRUE(before.heard().empty());
 }
 
-TEST_F(Restart, a_port_that_was_unplugged_meanwhile_is_opened_anew) {
+TEST_F(Restart, a_port_that_was_unplugged_meanwhile_is_reopened) {
     PtyDevice device{dir / "fc"};
     configure({"serial:" + device.path() + ",name=fc"});
     ASSERT_TRUE(start());
@@ -335,7 +335,7 @@ TEST_F(Restart, a_port_that_was_unplugged_meanwhile_is_opened_anew) {
     EXPECT_TRUE(knows("0xDC"));
 }
 
-TEST_F(Restart, settings_are_those_of_now) {
+TEST_F(Restart, applies_the_current_settings) {
     PtyDevice device{dir / "fc"};
     UdpPeer peer;
     const std::string to_peer = "udp:" + peer.local().text() + ",name=peer";
@@ -359,7 +359,7 @@ TEST_F(Restart, settings_are_those_of_now) {
     EXPECT_TRUE(anogate::open_udp(endpoint(before.text()), false));
 }
 
-TEST_F(Restart, what_makes_no_sense_is_passed_over) {
+TEST_F(Restart, invalid_stored_state_is_ignored) {
     PtyDevice device{dir / "fc"};
     configure({"serial:" + device.path() + ",name=fc", "udp-listen:127.0.0.1:0,name=ground"});
     for (const char* junk : {"", "null", "[]", R"({"format": 1})", R"({"format": 2, "unread_since": [0, 0, 0], "links": []})",

@@ -51,7 +51,7 @@ protected:
     std::optional<RunningGateway> daemon;
 };
 
-TEST_F(Routing, a_learned_address_gets_its_frames_and_nobody_else_does) {
+TEST_F(Routing, frames_for_a_learned_address_are_sent_only_to_its_link) {
     start();
     ASSERT_TRUE(say(b, "b", frame(30, 0xFE, 0x01)));
     heard();
@@ -64,7 +64,7 @@ TEST_F(Routing, a_learned_address_gets_its_frames_and_nobody_else_does) {
     EXPECT_EQ(daemon->route("0x1E").at("who"), "user device");
 }
 
-TEST_F(Routing, a_port_id_is_the_link_that_bears_it_whatever_is_behind_it) {
+TEST_F(Routing, frames_for_a_port_id_are_sent_to_the_link_with_that_id) {
     b_link.id = 5;
     start();
     ASSERT_TRUE(say(a, "a", frame(0xFE, 5, 0xE0, {0, 0, 0})));
@@ -76,7 +76,7 @@ TEST_F(Routing, a_port_id_is_the_link_that_bears_it_whatever_is_behind_it) {
     EXPECT_TRUE(daemon->link("a").at("id").is_null());
 }
 
-TEST_F(Routing, a_pinned_range_goes_to_its_link_before_anything_is_learned) {
+TEST_F(Routing, frames_for_a_pinned_range_are_sent_to_its_link_whatever_was_learned) {
     start({}, {{30, 40, "c"}});
     ASSERT_TRUE(say(b, "b", frame(35, 0xFE, 0x01)));
     heard();
@@ -89,7 +89,7 @@ TEST_F(Routing, a_pinned_range_goes_to_its_link_before_anything_is_learned) {
     EXPECT_TRUE(daemon->route("0x29").is_null());
 }
 
-TEST_F(Routing, a_broadcast_goes_to_everybody_who_may_have_it) {
+TEST_F(Routing, a_broadcast_is_sent_to_every_other_link_that_accepts_broadcasts) {
     c_link.broadcast = false;
     start();
     ASSERT_TRUE(say(a, "a", vendor::who_are_you));
@@ -99,7 +99,7 @@ TEST_F(Routing, a_broadcast_goes_to_everybody_who_may_have_it) {
     EXPECT_TRUE(now.c.empty()) << "broadcast=no";
 }
 
-TEST_F(Routing, an_unknown_address_is_flooded_but_not_to_flood_no) {
+TEST_F(Routing, frames_for_an_unknown_address_are_flooded_except_to_links_with_flood_no) {
     c_link.flood = false;
     start();
     ASSERT_TRUE(say(a, "a", frame(0xFE, 77, 0xC0, {1})));
@@ -108,7 +108,7 @@ TEST_F(Routing, an_unknown_address_is_flooded_but_not_to_flood_no) {
     EXPECT_TRUE(now.c.empty());
 }
 
-TEST_F(Routing, unknown_drop_counts_what_has_no_taker) {
+TEST_F(Routing, unknown_drop_drops_and_counts_frames_without_a_route) {
     anogate::GatewaySettings gateway;
     gateway.unknown = anogate::Unknown::drop;
     start(gateway);
@@ -118,7 +118,7 @@ TEST_F(Routing, unknown_drop_counts_what_has_no_taker) {
     EXPECT_EQ(daemon->count("a", "no_route"), 1u);
 }
 
-TEST_F(Routing, unknown_may_go_to_one_link) {
+TEST_F(Routing, unknown_link_sends_frames_for_unknown_addresses_to_one_link) {
     anogate::GatewaySettings gateway;
     gateway.unknown = anogate::Unknown::link;
     gateway.unknown_link = "c";
@@ -129,7 +129,7 @@ TEST_F(Routing, unknown_may_go_to_one_link) {
     EXPECT_TRUE(now.b.empty());
 }
 
-TEST_F(Routing, what_is_for_the_gateway_itself_ends_there) {
+TEST_F(Routing, frames_for_the_gateway_itself_are_not_forwarded) {
     anogate::GatewaySettings gateway;
     gateway.id = 199;
     start(gateway);
@@ -141,7 +141,7 @@ TEST_F(Routing, what_is_for_the_gateway_itself_ends_there) {
     EXPECT_EQ(daemon->route("0xC7").at("via"), "own");
 }
 
-TEST_F(Routing, nobody_is_destination_0) {
+TEST_F(Routing, frames_for_destination_0_are_dropped) {
     start();
     ASSERT_TRUE(say(a, "a", frame(0xFE, 0, 0xC0, {1})));
     const Heard now = heard();
@@ -177,7 +177,7 @@ TEST_F(Routing, two_devices_with_one_id_are_shown_as_a_conflict) {
     EXPECT_EQ(std::search(now.b.begin(), now.b.end(), command.begin(), command.end()), now.b.end()) << "it was there second";
 }
 
-TEST_F(Routing, two_devices_with_one_id_are_told_from_one_device) {
+TEST_F(Routing, the_hint_for_two_devices_with_one_id_differs_from_that_for_one_device) {
     start();
     ASSERT_TRUE(say(c, "c", vendor::who_are_you));
     int n = 0;
@@ -195,7 +195,7 @@ TEST_F(Routing, two_devices_with_one_id_are_told_from_one_device) {
 }
 
 // Its frames reach the host once; a broadcast command reaches it over both cables, and a hint must report it.
-TEST_F(Routing, one_device_on_two_cables_is_told_to_be_one_group) {
+TEST_F(Routing, the_hint_for_one_device_on_two_cables_suggests_a_group) {
     start();
     ASSERT_TRUE(say(c, "c", vendor::who_are_you));
     for (std::uint8_t n = 0; n < 3; ++n) {
@@ -213,7 +213,7 @@ TEST_F(Routing, one_device_on_two_cables_is_told_to_be_one_group) {
     EXPECT_EQ(conflict.at("links"), (nlohmann::json{"a", "b"}));
 }
 
-TEST_F(Routing, a_device_on_the_two_cables_of_a_group_is_all_right) {
+TEST_F(Routing, a_device_on_the_two_cables_of_a_group_is_no_conflict) {
     a_link.group = b_link.group = "fc";
     start();
     ASSERT_TRUE(say(c, "c", vendor::who_are_you));
@@ -224,7 +224,7 @@ TEST_F(Routing, a_device_on_the_two_cables_of_a_group_is_all_right) {
     EXPECT_TRUE(daemon->status().at("conflicts").empty());
 }
 
-TEST_F(Routing, a_device_whose_address_is_the_port_id_of_another_link_is_told) {
+TEST_F(Routing, a_device_whose_address_is_the_port_id_of_another_link_is_reported) {
     b_link.id = 5;
     c_link.id = 6;
     start();
@@ -235,7 +235,7 @@ TEST_F(Routing, a_device_whose_address_is_the_port_id_of_another_link_is_told) {
     EXPECT_EQ(daemon->link("c").at("hint"), "") << "it is behind its port";
 }
 
-TEST_F(Routing, hosts_appear_as_the_one_that_a_device_answers) {
+TEST_F(Routing, present_as_replaces_host_addresses_with_the_one_that_a_device_answers) {
     c_link.present_as = 0xFE;
     start();
     const Bytes command = frame(0xD2, 0xDC, 0xC0, {1, 2, 3}), presented = frame(0xFE, 0xDC, 0xC0, {1, 2, 3});
@@ -263,7 +263,7 @@ TEST_F(Routing, hosts_appear_as_the_one_that_a_device_answers) {
     EXPECT_EQ(now.b, frame(0xDC, 0xFE, 0xE1, {8, 0, 1}) + frame(0xDC, 0xFE, 0x03, {1}));
 }
 
-TEST_F(Routing, present_as_goes_with_an_alias) {
+TEST_F(Routing, present_as_works_together_with_an_alias) {
     c_link.present_as = 0xFE;
     anogate::Settings settings = settings_of({a_link, b_link, c_link});
     settings.aliases = {{"c", 0xDE, 31}};
@@ -278,7 +278,7 @@ TEST_F(Routing, present_as_goes_with_an_alias) {
 }
 
 // The question may be sent on one link and its answer be received on both.
-TEST_F(Routing, present_as_holds_for_a_group_as_a_whole) {
+TEST_F(Routing, present_as_applies_to_all_links_of_a_group) {
     b_link.present_as = c_link.present_as = 0xFE;
     b_link.group = c_link.group = "fc";
     start();
@@ -326,7 +326,7 @@ TEST_F(Routing, frames_without_data_pass_and_are_counted) {
     EXPECT_EQ(daemon->count("b", "empty_out"), 1u);
 }
 
-TEST(Gateway, telemetry_that_no_host_takes_is_told_until_one_speaks) {
+TEST(Gateway, telemetry_without_a_registered_host_is_reported_until_a_host_sends) {
     TempDir dir;
     PtyDevice device{dir / "fc"};
     RunningGateway daemon{serial("fc", device.path()), udp_listen("ground")};
@@ -346,7 +346,7 @@ TEST(Gateway, telemetry_that_no_host_takes_is_told_until_one_speaks) {
     EXPECT_TRUE(hint_is(""));
 }
 
-TEST(Gateway, telemetry_for_a_host_whose_cable_is_pulled_goes_where_somebody_may_listen) {
+TEST(Gateway, telemetry_for_a_host_whose_cable_is_pulled_is_sent_to_other_links) {
     TempDir dir;
     PtyDevice device{dir / "fc"};
     PtyDevice radio{dir / "radio"};
@@ -366,7 +366,7 @@ TEST(Gateway, telemetry_for_a_host_whose_cable_is_pulled_goes_where_somebody_may
     EXPECT_TRUE(daemon.until([&] { return listener.heard() == telemetry; }));
 }
 
-TEST(Gateway, telemetry_for_a_host_whose_cable_is_pulled_is_told_when_nobody_else_may_take_it) {
+TEST(Gateway, telemetry_for_a_host_whose_cable_is_pulled_is_reported_if_no_other_link_can_send_it) {
     TempDir dir;
     PtyDevice device{dir / "fc"};
     PtyDevice radio{dir / "radio"};
@@ -414,7 +414,7 @@ TEST(Gateway, hints_of_two_conflicts_name_the_address_and_those_of_one_are_the_s
 }
 
 // While no host is known, frames from one cable are sent to the other, which looks the same as a ring.
-TEST(Gateway, a_device_on_two_cables_is_told_before_a_host_speaks) {
+TEST(Gateway, a_device_on_two_cables_is_reported_before_a_host_sends) {
     TempDir dir;
     PtyDevice one{dir / "one"}, two{dir / "two"};
     RunningGateway daemon{serial("one", one.path()), serial("two", two.path()), udp_listen("ground")};
@@ -439,7 +439,7 @@ TEST(Gateway, a_device_on_two_cables_is_told_before_a_host_speaks) {
     }
 }
 
-TEST(Gateway, sixty_four_channels_and_no_more) {
+TEST(Gateway, a_link_has_at_most_sixty_four_channels) {
     auto ground = udp_listen("ground");
     ground.as<anogate::UdpListenSettings>().max_peers = 100;
     RunningGateway daemon{ground};

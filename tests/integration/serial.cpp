@@ -56,7 +56,7 @@ TEST(SerialLink, a_frame_sent_one_byte_at_a_time_arrives_whole) {
     EXPECT_TRUE(daemon.until([&] { return b.heard() == vendor::i_am_an_mcu; }));
 }
 
-TEST(SerialLink, an_absent_device_that_is_written_as_for_other_programs_is_told_how_it_is_meant) {
+TEST(SerialLink, suggests_the_right_form_for_an_absent_device_written_as_for_other_programs) {
     RunningGateway daemon{serial("a", "ttyAbsent"), serial("b", "/dev/ttyAbsent:115200"),
                           serial("c", "/dev/by-path/usb-0:1:1.0")};
     EXPECT_EQ(daemon.link("a").at("error"), "ttyAbsent not found (did you mean /dev/ttyAbsent?)");
@@ -64,7 +64,7 @@ TEST(SerialLink, an_absent_device_that_is_written_as_for_other_programs_is_told_
     EXPECT_EQ(daemon.link("c").at("error"), "/dev/by-path/usb-0:1:1.0 not found");
 }
 
-TEST(SerialLink, a_device_comes_and_goes_and_nobody_else_notices) {
+TEST(SerialLink, other_links_are_not_disturbed_when_a_device_is_plugged_and_unplugged) {
     const TempDir dir;
     PtyDevice a{dir / "a"}, b{dir / "b"}, fc{dir / "fc"};
     fc.unplug();
@@ -120,7 +120,7 @@ TEST(SerialLink, frames_for_an_unplugged_device_are_counted_and_not_sent_later) 
     EXPECT_TRUE(daemon.counters_add_up());
 }
 
-TEST(SerialLink, a_port_that_another_program_has_locked_is_waited_for_and_the_status_names_who) {
+TEST(SerialLink, waits_for_a_port_that_another_program_has_locked_and_names_it_in_the_status) {
     const TempDir dir;
     PtyDevice fc{dir / "fc"};
     int ready[2];
@@ -144,7 +144,7 @@ TEST(SerialLink, a_port_that_another_program_has_locked_is_waited_for_and_the_st
 }
 
 // socat may have both sides of a pseudo-terminal open: that is the device of the port, and does not take its bytes.
-TEST(SerialLink, who_has_the_other_side_of_the_port_is_no_program_that_reads_along) {
+TEST(SerialLink, a_program_that_holds_the_other_side_of_the_port_does_not_count_as_a_second_reader) {
     int ready[2];
     ASSERT_EQ(::pipe(ready), 0);
     Child socat{[&] {
@@ -164,7 +164,7 @@ TEST(SerialLink, who_has_the_other_side_of_the_port_is_no_program_that_reads_alo
     EXPECT_NE(daemon.link("fc").at("hint_id"), "shared_port") << daemon.link("fc");
 }
 
-TEST(SerialLink, a_program_that_has_the_port_open_without_a_lock_is_named_until_it_ends) {
+TEST(SerialLink, names_a_program_that_has_the_port_open_without_a_lock_until_it_ends) {
     const TempDir dir;
     PtyDevice fc{dir / "fc"};
     Child other{[&] {
@@ -189,7 +189,7 @@ TEST(SerialLink, a_program_that_has_the_port_open_without_a_lock_is_named_until_
     EXPECT_NE(daemon.link("fc").at("hint_id"), "shared_port");
 }
 
-TEST(SerialLink, a_port_that_another_program_holds_exclusively_is_waited_for) {
+TEST(SerialLink, waits_for_a_port_that_another_program_has_opened_exclusively) {
     if (::getuid() != 0) GTEST_SKIP() << "needs root to become nobody: root itself opens exclusive ports";
     const TempDir dir;
     ::chmod(dir.path().c_str(), 0755);
@@ -244,7 +244,7 @@ protected:
     PtyDevice fc{dir / "fc"};
 };
 
-TEST_F(SerialLinkOfRoot, no_other_gateway_has_the_port_while_it_is_ours_and_any_may_afterwards) {
+TEST_F(SerialLinkOfRoot, locks_out_other_gateways_while_the_port_is_open_and_not_afterwards) {
     RunningGateway daemon{serial("fc", fc.path())};
     ASSERT_TRUE(daemon.until_up("fc"));
     EXPECT_EQ(gateway_of_nobody("waiting", fc.path() + " is in use by another program"), 0);
@@ -253,7 +253,7 @@ TEST_F(SerialLinkOfRoot, no_other_gateway_has_the_port_while_it_is_ours_and_any_
 }
 
 // The master of a pseudo-terminal keeps the terminal and its settings after its last user has closed it.
-TEST_F(SerialLinkOfRoot, who_is_killed_leaves_a_pseudo_terminal_to_everybody) {
+TEST_F(SerialLinkOfRoot, leaves_a_pseudo_terminal_usable_for_all_users_after_the_program_is_killed) {
     int ready[2];
     ASSERT_EQ(::pipe(ready), 0);
     Child killed{[&] {
@@ -271,7 +271,7 @@ TEST_F(SerialLinkOfRoot, who_is_killed_leaves_a_pseudo_terminal_to_everybody) {
     EXPECT_EQ(gateway_of_nobody("up", ""), 0);
 }
 
-TEST(SerialLink, closing_must_not_reset_the_board_behind_the_port) {
+TEST(SerialLink, closing_the_port_does_not_reset_the_board) {
     const TempDir dir;
     PtyDevice fc{dir / "fc"};
     const PortUser earlier{fc.path()};
@@ -286,7 +286,7 @@ TEST(SerialLink, closing_must_not_reset_the_board_behind_the_port) {
     EXPECT_EQ(fc.settings().c_cflag & HUPCL, 0u);
 }
 
-TEST(SerialLink, the_line_is_raw_8n1_unless_told_otherwise) {
+TEST(SerialLink, the_line_is_raw_8n1_by_default) {
     const TempDir dir;
     PtyDevice a{dir / "a"}, b{dir / "b"};
     auto odd = serial("b", b.path());
@@ -322,7 +322,7 @@ TEST_P(AnyBaud, is_set_and_shown) {
 }
 INSTANTIATE_TEST_SUITE_P(SerialLink, AnyBaud, testing::Values(1200, 9600, 115200, 250000, 500000, 921600, 3333333, 5000000));
 
-TEST(SerialLink, a_path_that_is_no_serial_port_is_told_in_words) {
+TEST(SerialLink, a_path_that_is_not_a_serial_port_is_reported_with_the_reason) {
     const TempDir dir;
     std::ofstream{dir / "file"} << "notes";
     std::filesystem::create_directory(dir / "folder");
@@ -338,7 +338,7 @@ TEST(SerialLink, a_path_that_is_no_serial_port_is_told_in_words) {
     EXPECT_EQ(kept, "notes");
 }
 
-TEST(SerialLink, a_port_without_permission_says_what_to_do) {
+TEST(SerialLink, a_port_without_permission_is_reported_with_the_action_to_take) {
     if (::getuid() != 0) GTEST_SKIP() << "needs root to become nobody";
     const TempDir dir;
     ::chmod(dir.path().c_str(), 0755);
@@ -361,7 +361,7 @@ TEST(SerialLink, a_port_without_permission_says_what_to_do) {
     EXPECT_EQ(nobody_is_told("it belongs to the group dialout: sudo usermod -aG dialout $USER, and log in again"), 0);
 }
 
-TEST(SerialLink, a_port_that_nobody_reads_does_not_hold_up_the_end) {
+TEST(SerialLink, a_port_whose_data_is_not_read_does_not_delay_the_stop) {
     const TempDir dir;
     PtyDevice a{dir / "a"}, stuck{dir / "stuck"};
     RunningGateway daemon{serial("a", a.path()), serial("stuck", stuck.path())};
@@ -374,7 +374,7 @@ TEST(SerialLink, a_port_that_nobody_reads_does_not_hold_up_the_end) {
     EXPECT_LT(daemon.stop(), 1s);
 }
 
-TEST(SerialLink, what_waits_at_the_end_reaches_a_device_that_reads) {
+TEST(SerialLink, waiting_frames_are_sent_at_the_end_if_the_device_reads) {
     const TempDir dir;
     PtyDevice a{dir / "a"}, slow{dir / "slow"};
     RunningGateway daemon{serial("a", a.path()), serial("slow", slow.path())};
@@ -392,7 +392,7 @@ TEST(SerialLink, what_waits_at_the_end_reaches_a_device_that_reads) {
     EXPECT_EQ(slow.heard(), sent);
 }
 
-TEST(SerialLink, what_has_left_stays_sent_when_the_program_ends) {
+TEST(SerialLink, sent_frames_still_reach_the_device_after_the_program_ends) {
     const TempDir dir;
     PtyDevice a{dir / "a"}, slow{dir / "slow"};
     RunningGateway daemon{serial("a", a.path()), serial("slow", slow.path())};
@@ -403,7 +403,7 @@ TEST(SerialLink, what_has_left_stays_sent_when_the_program_ends) {
     EXPECT_EQ(slow.heard(), vendor::i_am_an_mcu);
 }
 
-TEST(SerialLink, noise_before_the_device_is_opened_is_not_taken_for_news) {
+TEST(SerialLink, discards_data_received_before_the_device_is_opened) {
     const TempDir dir;
     PtyDevice fc{dir / "fc"};
     const PortUser keeps_raw{fc.path()};

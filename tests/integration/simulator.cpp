@@ -20,7 +20,7 @@ std::map<std::uint8_t, int> count_by_id(const Bytes& stream) {
     return counts;
 }
 
-TEST(Simulator, says_who_it_is_when_asked_by_address_or_by_broadcast) {
+TEST(Simulator, sends_its_device_information_when_requested_by_address_or_by_broadcast) {
     RunningGateway daemon{sim("fc", 1), udp_listen("ground")};
     UdpPeer host;
     for (const std::uint8_t to : {std::uint8_t{0xDC}, std::uint8_t{0xFF}}) {
@@ -42,7 +42,7 @@ TEST(Simulator, says_who_it_is_when_asked_by_address_or_by_broadcast) {
 }
 
 class SimulatorRate : public testing::TestWithParam<std::uint16_t> {};
-TEST_P(SimulatorRate, is_never_above_what_was_set) {
+TEST_P(SimulatorRate, is_never_above_the_configured_rate) {
     const auto rate = GetParam();
     RunningGateway daemon{sim("fc", rate), udp_listen("ground")};
     UdpPeer host;
@@ -103,7 +103,7 @@ TEST(Simulator, its_values_are_those_of_a_vehicle_at_rest) {
     EXPECT_EQ(host.one(0x0D).size(), 8u + 4);
 }
 
-TEST(Simulator, takes_off_when_it_is_told) {
+TEST(Simulator, takes_off_on_command) {
     RunningGateway daemon{sim("fc", 100), udp_listen("ground")};
     Listener host{daemon};
     EXPECT_EQ(host.one(0x06)[7], 0) << "locked";
@@ -113,13 +113,13 @@ TEST(Simulator, takes_off_when_it_is_told) {
     EXPECT_TRUE(host.hears(0x05, [](const Bytes& f) { return i16(f, 8) > 40; })) << "cm";
 }
 
-TEST(Simulator, has_the_address_that_it_is_given) {
+TEST(Simulator, uses_the_configured_address) {
     RunningGateway daemon{settings_of_texts({"sim:fc,dev_id=33", "udp-listen:127.0.0.1:0,name=ground"})};
     Listener host{daemon};
     EXPECT_EQ(host.one(0x03)[1], 33);
 }
 
-TEST(Simulator, all_kinds_speak_at_their_addresses) {
+TEST(Simulator, all_kinds_answer_at_their_addresses) {
     RunningGateway daemon{
         settings_of_texts({"sim:fc", "sim:imu", "sim:flow", "sim:radio", "sim:car", "udp-listen:127.0.0.1:0,name=ground"})};
     Listener host{daemon};
@@ -129,7 +129,7 @@ TEST(Simulator, all_kinds_speak_at_their_addresses) {
     }
 }
 
-TEST(Simulator, a_bad_day_on_demand_is_counted) {
+TEST(Simulator, counts_the_configured_faults) {
     RunningGateway daemon{settings_of_texts({"sim:fc,hz=100,loss=50,corrupt=30,duplicate=50,jitter=5ms,seed=5",
                                              "sim:imu,deaf_after=1ms", "udp-listen:127.0.0.1:0,name=ground"})};
     Listener host{daemon};

@@ -118,7 +118,7 @@ protected:
     int came = 0;    // received at b
 };
 
-TEST_F(SlowDisks, that_take_less_than_comes_are_told_of_within_a_second_and_what_is_missing_is_counted) {
+TEST_F(SlowDisks, slower_than_the_data_are_reported_within_a_second_and_lost_frames_are_counted) {
     disk.take_a_write_in(200ms);
     const auto lost = [&] { return running().at("not_written").get<int>(); };
     while (sent_ < 12'000 && lost() == 0) ASSERT_NO_FATAL_FAILURE(send_large(500));    // 17 MiB fit; at most 50 MB are sent
@@ -149,7 +149,7 @@ TEST_F(SlowDisks, that_take_less_than_comes_are_told_of_within_a_second_and_what
     EXPECT_LT((told - time_of(loss[-1])) / 1ms, slow_told_within / 1ms) << "since the last frame before the loss";
 }
 
-TEST_F(SlowDisks, that_take_16_KB_a_second_are_told_of_within_a_second_and_lose_nothing) {
+TEST_F(SlowDisks, of_16_KB_a_second_are_reported_within_a_second_and_lose_nothing) {
     disk.take_a_second(16'000);
     ASSERT_NO_FATAL_FAILURE(send_large(50));    // 12 s
     ASSERT_TRUE(disk.until_it_is_slow());

@@ -74,7 +74,7 @@ protected:
     std::optional<PortUser> app;
 };
 
-TEST_F(Standstill, what_came_meanwhile_by_udp_is_as_old_as_it_is) {
+TEST_F(Standstill, ages_udp_frames_from_their_time_of_arrival) {
     stand_still_with([&] {
         for (std::uint8_t n = 0; n < 40; ++n)
             for (const std::uint8_t id : {command, sticks, telemetry}) ground.send(ground_port, numbered(0xFE, id, n));
@@ -87,7 +87,7 @@ TEST_F(Standstill, what_came_meanwhile_by_udp_is_as_old_as_it_is) {
     EXPECT_EQ(taker.heard(), numbered(0xFE, command, 100));
 }
 
-TEST_F(Standstill, what_came_meanwhile_by_a_terminal_is_as_old_as_the_standstill) {
+TEST_F(Standstill, ages_frames_from_a_terminal_by_the_whole_standstill) {
     std::uint64_t sent = 0;
     stand_still_with([&] {
         for (std::uint8_t n = 0; n < 200; ++n)    // more than one read of a terminal returns
@@ -101,7 +101,7 @@ TEST_F(Standstill, what_came_meanwhile_by_a_terminal_is_as_old_as_the_standstill
     EXPECT_TRUE(wait_until([&] { return taker.heard() == numbered(0xFE, sticks, 201); }));
 }
 
-TEST_F(Standstill, a_program_that_came_meanwhile_is_no_exception) {
+TEST_F(Standstill, frames_of_a_program_that_connected_meanwhile_are_stale_too) {
     app.reset();
     ASSERT_TRUE(daemon.until([&](const auto&) { return daemon.link("app").at("state") == "waiting"; }));
     stand_still_with([&] { PortUser{dir / "app"}.write(numbered(0xFE, command, 7)); });
@@ -114,7 +114,7 @@ TEST_F(Standstill, a_program_that_came_meanwhile_is_no_exception) {
     EXPECT_EQ(taker.heard(), numbered(0xFE, command, 8));
 }
 
-TEST_F(Standstill, is_told_in_the_log_and_the_status) {
+TEST_F(Standstill, is_reported_in_the_log_and_the_status) {
     EXPECT_EQ(daemon.status().at("gateway").at("standstills"), 0);
     stand_still_with([] {}, 1700ms);
     go_on();
@@ -124,7 +124,7 @@ TEST_F(Standstill, is_told_in_the_log_and_the_status) {
     EXPECT_GT(gateway.at("longest_standstill_s"), 1.0);
 }
 
-TEST_F(Standstill, each_of_two_in_a_row_is_in_the_log) {
+TEST_F(Standstill, each_of_two_in_a_row_is_logged) {
     for (const auto& [time, words] :
          {std::pair{700ms, "stalled for at least 0."}, std::pair{1700ms, "stalled for at least 1."}}) {
         stand_still_with([&] { ground.send(ground_port, numbered(0xFE, command, 5)); }, time);
@@ -133,7 +133,7 @@ TEST_F(Standstill, each_of_two_in_a_row_is_in_the_log) {
     }
 }
 
-TEST_F(Standstill, of_half_a_second_is_told_where_a_stream_speaks) {
+TEST_F(Standstill, of_half_a_second_is_reported_if_a_stream_sent_meanwhile) {
     app->write(numbered(0xFE, command, 2));
     ASSERT_TRUE(wait_until([&] { return split(taker.heard()).frames.size() == 1; }));
     stand_still_with([&] { app->write(numbered(0xFE, command, 3)); }, 520ms);
@@ -142,7 +142,7 @@ TEST_F(Standstill, of_half_a_second_is_told_where_a_stream_speaks) {
     EXPECT_EQ(daemon.status().at("gateway").at("standstills"), 1);
 }
 
-TEST_F(Standstill, of_half_a_second_is_told_where_datagrams_waited) {
+TEST_F(Standstill, of_half_a_second_is_reported_if_datagrams_waited) {
     app.reset();
     ASSERT_TRUE(daemon.until([&](const auto&) { return daemon.link("app").at("state") == "waiting"; }));
     stand_still_with([&] { ground.send(ground_port, numbered(0xFE, command, 4)); }, 520ms);
@@ -151,7 +151,7 @@ TEST_F(Standstill, of_half_a_second_is_told_where_datagrams_waited) {
     EXPECT_EQ(daemon.status().at("gateway").at("standstills"), 1);
 }
 
-TEST_F(Standstill, makes_nobody_who_spoke_meanwhile_a_peer_that_is_gone) {
+TEST_F(Standstill, does_not_remove_peers_that_sent_meanwhile) {
     stand_still_with(
         [&] {
             for (int n = 0; n < 100; ++n) ground.send(ground_port, numbered(0xFE, command, 1));    // more than one read accepts

@@ -24,7 +24,7 @@ const char* const counters[] = {
     "duplicate", "no_route",   "frames_out", "bytes_out",  "empty_out",     "flush_bytes", "superseded", "queue_full", "stale",
     "limited",   "denied_out", "link_down",  "too_big",    "send_failed",   "held_back",   "waiting"};
 
-TEST(Status, has_the_shape_that_programs_depend_on) {
+TEST(Status, has_the_documented_structure) {
     const TempDir dir;
     PtyDevice fc{dir / "fc"};
     auto fc_link = serial("fc", fc.path());
@@ -93,7 +93,7 @@ TEST(Status, has_the_shape_that_programs_depend_on) {
     EXPECT_EQ(daemon.route("0xDC").at("who"), "flight controller");
 }
 
-TEST(Status, says_each_thing_once) {
+TEST(Status, has_no_duplicate_keys) {
     RunningGateway daemon{settings_of({udp_listen("ground")})};
     ASSERT_TRUE(daemon.until_up("ground"));
     UdpPeer host;
@@ -116,7 +116,7 @@ TEST(Status, survives_names_and_paths_that_are_not_utf_8) {
     EXPECT_EQ(daemon.link("fc").at("state"), "waiting");
 }
 
-TEST(Status, says_why_a_link_is_not_up_to_people_and_to_programs) {
+TEST(Status, shows_why_a_link_is_not_up_as_text_and_as_an_error_id) {
     UdpPeer taken;
     const TempDir dir;
     RunningGateway daemon{
@@ -146,7 +146,7 @@ protected:
     std::optional<RunningGateway> daemon;
 };
 
-TEST_F(Hints, bytes_but_no_frames_is_a_wrong_baud_rate) {
+TEST_F(Hints, report_data_without_valid_frames_as_a_wrong_baud_rate) {
     daemon.emplace(settings_of({serial("fc", fc.path())}));
     ASSERT_TRUE(daemon->until_up("fc"));
     fc.write(Bytes(500, 0xF8));
@@ -155,7 +155,7 @@ TEST_F(Hints, bytes_but_no_frames_is_a_wrong_baud_rate) {
     EXPECT_TRUE(daemon->until([&] { return daemon->link("fc").at("hint") == ""; })) << "all is well now";
 }
 
-TEST_F(Hints, are_news_once_while_the_link_is_up) {
+TEST_F(Hints, are_logged_once_while_the_link_is_up) {
     daemon.emplace(settings_of({serial("fc", fc.path()), udp_listen("ground")}));
     ASSERT_TRUE(daemon->until_up("fc"));
     anogate::HintLog log;
@@ -174,7 +174,7 @@ TEST_F(Hints, are_news_once_while_the_link_is_up) {
               std::vector<std::string>{"fc: data but no valid frames: check baud rate and protocol"});
 }
 
-TEST_F(Hints, older_frames_are_named) {
+TEST_F(Hints, report_frames_of_an_older_version) {
     daemon.emplace(settings_of({serial("fc", fc.path()), udp_listen("ground")}));
     ASSERT_TRUE(daemon->until_up("fc"));
     Bytes v7 = hex("AA FF 03 07 01 02 03 04 05 06 07");
@@ -187,7 +187,7 @@ TEST_F(Hints, older_frames_are_named) {
     EXPECT_TRUE(hint_says("ground", "older V7 frames (0xAA) received")) << "from a stranger as well";
 }
 
-TEST_F(Hints, older_frames_of_long_ago_are_no_news) {
+TEST_F(Hints, about_older_frames_end_after_frames_of_the_current_version) {
     daemon.emplace(settings_of({serial("fc", fc.path())}));
     ASSERT_TRUE(daemon->until_up("fc"));
     Bytes v7 = hex("AA FF 03 07 01 02 03 04 05 06 07");
@@ -198,14 +198,14 @@ TEST_F(Hints, older_frames_of_long_ago_are_no_news) {
     EXPECT_TRUE(daemon->until([&] { return daemon->link("fc").at("hint") == ""; })) << "the device was switched to V8";
 }
 
-TEST_F(Hints, silence_is_told_with_its_length) {
+TEST_F(Hints, report_silence_with_its_length) {
     daemon.emplace(settings_of({serial("fc", fc.path())}));
     ASSERT_TRUE(daemon->until_up("fc"));
     fc.write(vendor::i_am_an_mcu);
     EXPECT_TRUE(hint_says("fc", "silent for 3 s"));
 }
 
-TEST_F(Hints, a_baud_rate_that_was_changed_is_no_silence) {
+TEST_F(Hints, a_changed_baud_rate_is_not_reported_as_silence) {
     daemon.emplace(settings_of({serial("fc", fc.path())}));
     ASSERT_TRUE(daemon->until_up("fc"));
     fc.write(Bytes(500, 0xF8));    // before the frames: an earlier fault, which is ignored
@@ -222,7 +222,7 @@ TEST_F(Hints, a_baud_rate_that_was_changed_is_no_silence) {
     EXPECT_TRUE(hint_says("fc", "silent for 3 s")) << "and nothing more comes";
 }
 
-TEST_F(Hints, a_device_that_never_spoke_and_a_port_without_a_peer) {
+TEST_F(Hints, report_a_device_that_never_sent_and_a_port_without_a_peer) {
     daemon.emplace(settings_of({serial("fc", fc.path()), udp_listen("ground")}));
     EXPECT_TRUE(hint_says("fc",
                           "nothing received yet: check that the device is powered and that RX and TX are crossed (some devices "
@@ -230,7 +230,7 @@ TEST_F(Hints, a_device_that_never_spoke_and_a_port_without_a_peer) {
     EXPECT_TRUE(hint_says("ground", "waiting for a peer"));
 }
 
-TEST_F(Hints, a_slow_link_is_named) {
+TEST_F(Hints, report_a_slow_link) {
     auto link = serial("fc", fc.path());
     link.queue = 5000;
     daemon.emplace(settings_of({link, udp_listen("air")}));

@@ -52,7 +52,7 @@ TEST_F(Tcp, vendor_bytes_pass_unchanged_both_ways) {
     EXPECT_TRUE(daemon->counters_add_up());
 }
 
-TEST_F(Tcp, a_bridge_that_sends_a_byte_at_a_time_and_pauses_loses_nothing) {
+TEST_F(Tcp, nothing_is_lost_if_a_bridge_sends_single_bytes_with_pauses) {
     TcpListener bridge;
     start({bridge.link("fc"), "udp-listen:127.0.0.1:0,name=ground"});
     TcpPeer fc;
@@ -68,7 +68,7 @@ TEST_F(Tcp, a_bridge_that_sends_a_byte_at_a_time_and_pauses_loses_nothing) {
     EXPECT_TRUE(daemon->until([&] { return ground.heard() == vendor::i_am_an_mcu; }));
 }
 
-TEST_F(Tcp, nothing_but_frames_is_sent_however_long_nobody_speaks) {
+TEST_F(Tcp, nothing_is_sent_on_an_idle_connection) {
     TcpListener bridge;
     start({bridge.link("fc")});
     TcpPeer fc;
@@ -77,7 +77,7 @@ TEST_F(Tcp, nothing_but_frames_is_sent_however_long_nobody_speaks) {
     EXPECT_TRUE(fc.heard().empty());
 }
 
-TEST_F(Tcp, hello_asks_at_once_and_in_a_frame) {
+TEST_F(Tcp, hello_sends_a_complete_request_frame_immediately) {
     TcpListener bridge;
     start({bridge.link("fc") + ",hello=on"});
     TcpPeer fc;
@@ -86,7 +86,7 @@ TEST_F(Tcp, hello_asks_at_once_and_in_a_frame) {
     EXPECT_TRUE(split(fc.heard()).rest.empty());
 }
 
-TEST_F(Tcp, a_lost_connection_comes_back_without_what_waited_and_without_half_a_frame) {
+TEST_F(Tcp, a_lost_connection_is_reopened_without_old_waiting_or_partial_frames) {
     TcpListener bridge;
     start({bridge.link("fc"), "udp-listen:127.0.0.1:0,name=ground"});
     TcpPeer fc;
@@ -109,7 +109,7 @@ TEST_F(Tcp, a_lost_connection_comes_back_without_what_waited_and_without_half_a_
     EXPECT_TRUE(daemon->counters_add_up());
 }
 
-TEST_F(Tcp, a_peer_that_refuses_and_a_name_that_is_none_are_named_and_tried_again) {
+TEST_F(Tcp, a_refused_connection_and_an_unknown_host_name_are_reported_and_retried) {
     std::optional<TcpListener> bridge{std::in_place};
     const std::string local = "127.0.0.1:" + std::to_string(bridge->port());
     const std::string link = bridge->link("fc");
@@ -145,7 +145,7 @@ TEST(TcpConnector, does_not_connect_to_itself) {
     EXPECT_NO_THROW(TcpListener{"127.0.0.1:40000"}) << "a server may begin at once";
 }
 
-TEST_F(Tcp, a_name_is_resolved_and_every_address_of_it_is_tried) {
+TEST_F(Tcp, a_name_is_resolved_and_each_of_its_addresses_is_tried) {
     TcpListener bridge;    // "localhost" may be ::1 first, where nothing listens
     start({"tcp:localhost:" + std::to_string(bridge.port()) + ",name=fc"});
     TcpPeer fc;
@@ -154,7 +154,7 @@ TEST_F(Tcp, a_name_is_resolved_and_every_address_of_it_is_tried) {
     EXPECT_EQ(daemon->link("fc").at("address"), "127.0.0.1:" + std::to_string(bridge.port()));
 }
 
-TEST_F(Tcp, a_device_that_connects_anew_takes_over_from_its_silent_connection) {
+TEST_F(Tcp, a_new_connection_of_a_device_replaces_its_silent_one) {
     start({"tcp-listen:127.0.0.1:0,name=air", "udp-listen:127.0.0.1:0,name=ground"});
     UdpPeer ground;
     ground.send(port("ground"), vendor::who_are_you);
@@ -171,7 +171,7 @@ TEST_F(Tcp, a_device_that_connects_anew_takes_over_from_its_silent_connection) {
     EXPECT_TRUE(daemon->until([&] { return after.heard() == command; }));
 }
 
-TEST_F(Tcp, two_programs_of_one_computer_with_the_address_of_a_host_both_stay) {
+TEST_F(Tcp, two_programs_of_one_computer_with_the_same_host_address_both_stay_connected) {
     start({"tcp-listen:127.0.0.1:0,name=ground", "sim:fc,hz=10,name=fc"});
     TcpPeer one{port("ground")};
     one.send(vendor::who_are_you);
@@ -184,7 +184,7 @@ TEST_F(Tcp, two_programs_of_one_computer_with_the_address_of_a_host_both_stay) {
     EXPECT_TRUE(daemon->until([&] { return one.heard().size() > before && !two.heard().empty(); }));
 }
 
-TEST_F(Tcp, places_are_limited_and_a_stranger_is_told) {
+TEST_F(Tcp, max_peers_limits_connections_and_refuses_and_reports_the_next_one) {
     start({"tcp-listen:127.0.0.1:0,name=ground,max_peers=2"});
     TcpPeer one{port("ground")}, two{port("ground")};
     one.send(vendor::who_are_you);
@@ -196,14 +196,14 @@ TEST_F(Tcp, places_are_limited_and_a_stranger_is_told) {
     EXPECT_EQ(daemon->link("ground").at("error_id"), "no_place");
 }
 
-TEST_F(Tcp, outsiders_are_refused) {
+TEST_F(Tcp, senders_outside_allow_are_refused) {
     start({"tcp-listen:127.0.0.1:0,name=ground,allow=10.1.2.0/24"});
     TcpPeer stranger{port("ground")};
     EXPECT_TRUE(daemon->until([&] { return stranger.is_closed(); }));
     EXPECT_TRUE(daemon->link("ground").at("channels").empty());
 }
 
-TEST_F(Tcp, a_peer_that_reads_nothing_costs_the_others_nothing_and_is_closed) {
+TEST_F(Tcp, a_peer_that_reads_nothing_is_closed_and_does_not_delay_the_others) {
     start({"tcp-listen:127.0.0.1:0,name=ground,dead_after=2s", "sim:fc,hz=100,name=fc"});
     TcpPeer deaf{port("ground")}, listener{port("ground")};
     const int small = 4096;
@@ -294,7 +294,7 @@ TEST_F(Tcp, fail_over_between_serial_and_tcp_loses_and_duplicates_no_command) {
 }
 
 // A cut wire: the peer's end of the veth is set down, so that nothing is refused and nothing is reset.
-TEST_F(Tcp, a_cut_wire_is_noticed_by_the_end_that_writes_and_by_the_one_that_reads) {
+TEST_F(Tcp, a_cut_wire_is_detected_by_a_connection_that_sends_and_by_one_that_only_receives) {
     ANOGATE_NEEDS_NAMESPACES();
     NetworkNamespace here;
     Namespace there;

@@ -60,21 +60,21 @@ struct TcpBridges : testing::Test {
     std::uint16_t port = free_port();
 };
 
-TEST_F(TcpBridges, a_socat_that_listens) {
+TEST_F(TcpBridges, work_with_a_socat_that_listens) {
     RunningGateway daemon{settings_of_texts({connects(), ground})};
     const Shell socat{"exec socat TCP-LISTEN:" + std::to_string(port) + ",bind=127.0.0.1,reuseaddr,fork FILE:" + device.path() +
                       ",raw,echo=0,b500000"};
     exchange(daemon, "bridge");
 }
 
-TEST_F(TcpBridges, a_socat_that_connects) {
+TEST_F(TcpBridges, work_with_a_socat_that_connects) {
     RunningGateway daemon{settings_of_texts({"tcp-listen:127.0.0.1:0,name=bridge", ground})};
     const Shell socat{"exec socat TCP:127.0.0.1:" + std::to_string(daemon.port("bridge")) + " FILE:" + device.path() +
                       ",raw,echo=0,b500000"};
     exchange(daemon, "bridge");
 }
 
-TEST_F(TcpBridges, a_ser2net) {
+TEST_F(TcpBridges, work_with_ser2net) {
     if (!is_installed("ser2net")) GTEST_SKIP() << "ser2net is not installed";
     std::ofstream{dir / "ser2net.yaml"} << "connection: &fc\n  accepter: tcp,127.0.0.1," << port << "\n  connector: serialdev,"
                                         << device.path() << ",500000n81,local\n  options:\n    kickolduser: true\n";
@@ -129,7 +129,7 @@ TEST_F(Stunnel, connects_to_our_port) {
     exchange(daemon, far);
 }
 
-TEST_F(Stunnel, is_connected_to) {
+TEST_F(Stunnel, accepts_our_connection) {
     if (!is_installed("stunnel")) GTEST_SKIP() << "stunnel4 is not installed";
     TcpListener behind;
     const Shell stunnel{command(false, port, behind.port())};
@@ -186,7 +186,7 @@ private:
     ano::TimePoint silent_until_{};
 };
 
-TEST(WifiBridges, lose_nothing_but_what_was_on_the_way_when_they_close) {
+TEST(WifiBridges, lose_only_frames_in_transit_when_they_close_a_connection) {
     WifiBridge bridge{7};
     RunningGateway daemon{settings_of_texts({bridge.link("bridge"), "udp-listen:127.0.0.1:0,name=ground"})};
     std::vector<TcpPeer> others(5);    // five more programs connected to the same bridge

@@ -93,7 +93,7 @@ TEST_F(Tls, large_frames_arrive_whole) {
     EXPECT_EQ(ground->count("l", "bad_check"), 0u);
 }
 
-TEST_F(Tls, a_certificate_of_another_authority_is_refused_on_both_sides) {
+TEST_F(Tls, both_sides_refuse_a_certificate_of_another_authority) {
     listen(ca());
     EXPECT_NE(connect_error(to("localhost", pair("vehicle") + ca("other"))).find("its certificate: "), std::string::npos);
     make("stranger", "other", {{"stranger"}, {}});
@@ -102,7 +102,7 @@ TEST_F(Tls, a_certificate_of_another_authority_is_refused_on_both_sides) {
     EXPECT_EQ(ground->count("l", "frames_in"), 0u);
 }
 
-TEST_F(Tls, whoever_shows_no_certificate_is_refused_unless_none_is_needed) {
+TEST_F(Tls, a_client_without_a_certificate_is_refused_unless_none_is_needed) {
     listen(ca());
     const std::string error = connect_error(to("localhost", ca()));
     EXPECT_NE(error.find("certificate required"), std::string::npos) << error;
@@ -131,7 +131,7 @@ TEST_F(Tls, a_key_that_others_may_read_is_refused) {
     EXPECT_TRUE(air->until_up("t"));
 }
 
-TEST_F(Tls, a_new_certificate_is_used_for_new_connections_and_the_open_ones_go_on) {
+TEST_F(Tls, a_new_certificate_is_used_for_new_connections_and_open_ones_continue) {
     listen(ca());
     air.emplace(loop, std::vector<std::string>{to("localhost", pair("vehicle") + ca())});
     ASSERT_TRUE(air->until([&] { return air->count("t", "frames_in") > 5; }));
@@ -144,7 +144,7 @@ TEST_F(Tls, a_new_certificate_is_used_for_new_connections_and_the_open_ones_go_o
     EXPECT_TRUE(air->up("t"));
 }
 
-TEST_F(Tls, connections_that_never_shake_hands_keep_nobody_out_for_long) {
+TEST_F(Tls, connections_without_a_handshake_are_closed_and_do_not_block_others_for_long) {
     listen(ca() + ",max_peers=64,max_per_address=64");
     std::vector<TcpPeer> silent;
     silent.reserve(40);
@@ -171,7 +171,7 @@ struct Crowd {
     std::vector<TcpPeer> all;
 };
 
-TEST_F(Tls, a_crowd_that_stops_within_the_handshake_keeps_no_host_out) {
+TEST_F(Tls, many_clients_that_stop_within_the_handshake_do_not_block_a_host) {
     for (const Bytes& says : {Bytes{}, Bytes{22, 3, 1, 0, 100, 1}}) {
         listen(ca() + ",max_peers=8");
         Crowd crowd{*ground, says};
@@ -190,7 +190,7 @@ TEST_F(Tls, a_crowd_that_stops_within_the_handshake_keeps_no_host_out) {
     }
 }
 
-TEST_F(Tls, who_sends_nothing_is_closed_first_when_others_come) {
+TEST_F(Tls, clients_that_send_nothing_are_closed_first_when_others_connect) {
     listen(ca());
     TcpPeer silent{ground->port("l")}, begun{ground->port("l")};
     begun.send(Bytes{22, 3, 1, 0, 100, 1});
@@ -203,7 +203,7 @@ TEST_F(Tls, who_sends_nothing_is_closed_first_when_others_come) {
     EXPECT_FALSE(begun.is_closed());
 }
 
-TEST_F(Tls, junk_instead_of_a_handshake_ends_that_connection_alone) {
+TEST_F(Tls, invalid_data_instead_of_a_handshake_closes_only_that_connection) {
     listen(ca());
     air.emplace(loop, std::vector<std::string>{to("localhost", pair("vehicle") + ca())});
     ASSERT_TRUE(air->until_up("t"));
@@ -216,7 +216,7 @@ TEST_F(Tls, junk_instead_of_a_handshake_ends_that_connection_alone) {
 }
 
 // 48 KiB of it were sent; the rest is sent with the next frame, if there is one.
-TEST_F(Tls, the_end_of_a_frame_that_a_slow_wire_does_not_take_at_once_arrives) {
+TEST_F(Tls, the_end_of_a_large_frame_arrives_over_a_slow_wire) {
     ANOGATE_NEEDS_NAMESPACES();
     make("gateway", "ca", {{"localhost"}, {"10.78.0.1"}});
     const Namespace here, there;
@@ -245,7 +245,7 @@ TEST_F(Tls, the_end_of_a_frame_that_a_slow_wire_does_not_take_at_once_arrives) {
     EXPECT_TRUE(air->until([&] { return air->count("t", "frames_in") == 1; })) << air->link("t");
 }
 
-TEST_F(Tls, a_handshake_takes_a_step_a_record_however_its_bytes_come) {
+TEST_F(Tls, a_handshake_continues_only_when_a_whole_record_is_received) {
     TcpListener listener;
     TcpPeer client{listener.port()}, server;
     ASSERT_TRUE(wait_until([&] { return listener.accept(server); }));
@@ -266,7 +266,7 @@ TEST_F(Tls, a_handshake_takes_a_step_a_record_however_its_bytes_come) {
     EXPECT_TRUE((*tls)->has_record());
 }
 
-TEST_F(Tls, a_connection_that_ends_within_a_record_is_told) {
+TEST_F(Tls, a_connection_that_ends_within_a_record_is_reported_as_readable) {
     TcpListener listener;
     TcpPeer client{listener.port()}, server;
     ASSERT_TRUE(wait_until([&] { return listener.accept(server); }));
@@ -304,7 +304,7 @@ TEST_F(Tls, a_handshake_of_single_bytes_succeeds) {
     relay.join();
 }
 
-TEST_F(Tls, a_server_that_says_nothing_does_not_delay_the_end) {
+TEST_F(Tls, a_server_that_sends_nothing_does_not_delay_the_stop) {
     TcpListener silent;
     Daemon daemon{ANOGATED, dir / "s", {"tls:127.0.0.1:" + std::to_string(silent.port()) + ",name=t,verify=none"}};
     ASSERT_TRUE(daemon.until_answers());
@@ -317,7 +317,7 @@ TEST_F(Tls, a_server_that_says_nothing_does_not_delay_the_end) {
     EXPECT_LT(ano::Clock::now() - start, 8s) << "the handshake is waited for 10 s";
 }
 
-TEST_F(Tls, files_that_can_not_be_used_any_more_are_told_and_the_ones_before_go_on) {
+TEST_F(Tls, files_that_become_unusable_are_reported_and_the_previous_ones_stay_in_use) {
     listen(ca());
     std::filesystem::permissions(dir / "gateway-key.pem", std::filesystem::perms{0644});
     air.emplace(loop, std::vector<std::string>{to("localhost", pair("vehicle") + ca())});
@@ -327,7 +327,7 @@ TEST_F(Tls, files_that_can_not_be_used_any_more_are_told_and_the_ones_before_go_
     EXPECT_NE(error.find("stay in use until a restart"), std::string::npos) << error;
 }
 
-TEST_F(Tls, a_port_is_down_while_its_certificate_can_not_be_used) {
+TEST_F(Tls, a_port_is_down_while_its_certificate_is_unusable) {
     ground.emplace(loop, std::vector<std::string>{"tls-listen:127.0.0.1:0,name=l" + pair("later") + ca()});
     EXPECT_TRUE(ground->until([&] { return ground->link("l").at("error_id") == "tls"; })) << ground->link("l");
     EXPECT_FALSE(ground->up("l"));
@@ -345,7 +345,7 @@ TEST_F(Tls, the_client_of_openssl_connects) {
     EXPECT_TRUE(ground->until([&] { return client.output().find("\xAB\xDC") != std::string::npos; })) << client.output();
 }
 
-TEST_F(Tls, socat_as_the_listening_end) {
+TEST_F(Tls, connects_to_a_listening_socat) {
     const std::string listener = "OPENSSL-LISTEN:0,bind=127.0.0.1,cert=" + (dir / "gateway.pem") +
                                  ",key=" + (dir / "gateway-key.pem") + ",cafile=" + (dir / "ca.pem") + ",verify=1";
     Process socat{"/bin/sh", {"-c", "exec timeout 60 socat -dd " + listener + " EXEC:cat 2>&1"}};
@@ -362,7 +362,7 @@ TEST_F(Tls, socat_as_the_listening_end) {
         << air->link("t") << socat.output();    // the echo of the hello
 }
 
-TEST_F(Tls, its_days_are_counted) {
+TEST_F(Tls, days_until_the_certificate_expires_are_counted) {
     anogate::TlsContext none{{}, anogate::TlsContext::Side::connects};
     EXPECT_FALSE(none.days_left());
     TcpListener somebody;

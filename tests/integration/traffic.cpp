@@ -94,7 +94,7 @@ TEST_F(Alias, writes_of_the_sensor_are_acknowledged_twenty_in_flight) {
     for (std::uint8_t n = 0; n < in_flight; ++n) EXPECT_EQ(acknowledged[n], check_frame(host, sensor, writes[n]));
 }
 
-TEST_F(Alias, both_sensors_say_who_they_are_and_are_told_apart) {
+TEST_F(Alias, device_information_of_both_sensors_is_distinguished) {
     const auto who = [](std::uint8_t source, std::uint8_t id) {
         return frame(source, host, 0xE3, {id, 1, 0, 2, 0, 'f', 'l', 'o', 'w'});
     };
@@ -113,7 +113,7 @@ TEST_F(Alias, both_sensors_say_who_they_are_and_are_told_apart) {
 
 // Sensors at rest send equal frames: a frame of one, forwarded to the other's link, is not counted as a copy when the other sends
 // it.
-TEST_F(Alias, both_sensors_may_say_the_very_same) {
+TEST_F(Alias, equal_frames_of_both_sensors_are_forwarded) {
     const Bytes flow = frame(sensor, 0xFF, 0x51, {0, 0, 0, 0, 255});
     for (std::size_t n = 0; n < 3; ++n) {
         flow1.write(flow);
@@ -148,7 +148,7 @@ protected:
     std::uint64_t total = 0;
 };
 
-TEST_F(Traffic, filters_refuse_what_comes_in_and_what_would_leave) {
+TEST_F(Traffic, filters_drop_received_frames_and_frames_to_be_sent) {
     LinkSettings to = udp("to", peer.local().text()), from = udp_listen("air");
     from.rules.receive.deny = {{0xF0, 0xF0}};
     from.rules.receive.allow_sources = {{0xD0, 0xFE}};
@@ -165,7 +165,7 @@ TEST_F(Traffic, filters_refuse_what_comes_in_and_what_would_leave) {
     EXPECT_TRUE(daemon->counters_add_up());
 }
 
-TEST_F(Traffic, a_limit_spaces_its_id_and_no_other) {
+TEST_F(Traffic, a_rate_limit_applies_to_its_id_only) {
     LinkSettings to = udp("to", peer.local().text());
     to.rules.limit = {{0x03, 5.0}};
     start(to);
@@ -178,7 +178,7 @@ TEST_F(Traffic, a_limit_spaces_its_id_and_no_other) {
 }
 
 // 1000 bytes/s offered 40 times that, for as long as 300 bytes take to be sent.
-TEST_F(Traffic, a_rate_holds_for_udp_and_what_is_urgent_overtakes) {
+TEST_F(Traffic, a_rate_limits_udp_and_urgent_frames_overtake_others) {
     LinkSettings to = udp("to", peer.local().text());
     to.rate = 1000;
     to.pack = false;
@@ -202,7 +202,7 @@ TEST_F(Traffic, a_rate_holds_for_udp_and_what_is_urgent_overtakes) {
     EXPECT_TRUE(daemon->counters_add_up());
 }
 
-TEST_F(Traffic, what_waited_longer_than_its_age_does_not_leave) {
+TEST_F(Traffic, frames_that_wait_longer_than_their_maximum_age_are_dropped) {
     LinkSettings to = udp("to", peer.local().text());
     to.rate = 500;
     to.age.telemetry = 50ms;
@@ -237,7 +237,7 @@ TEST_F(Traffic, frames_that_wait_share_datagrams_of_mtu_bytes) {
     EXPECT_EQ(datagrams.size(), 12u) << "nine in each";
 }
 
-TEST_F(Traffic, one_frame_a_datagram_where_packing_is_off) {
+TEST_F(Traffic, each_datagram_has_one_frame_if_packing_is_off) {
     LinkSettings to = udp("to", peer.local().text());
     to.pack = false;
     start(to);
@@ -253,7 +253,7 @@ TEST_F(Traffic, one_frame_a_datagram_where_packing_is_off) {
 }
 
 // A line of 11520 bytes/s with a fast reader: only pacing limits it.
-TEST_F(Traffic, a_serial_line_is_given_no_more_than_it_carries) {
+TEST_F(Traffic, pacing_sends_no_more_than_a_serial_line_can_carry) {
     PtyDevice device{dir / "port"};
     LinkSettings to = serial("to", device.path());
     to.as<anogate::SerialSettings>().baud = 115200;

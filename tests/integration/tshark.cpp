@@ -213,7 +213,7 @@ TEST(Tshark, shows_every_golden_vector_as_anoctl_decodes_it) {
     EXPECT_GT(compared, 2 * vectors.size());
 }
 
-TEST(Tshark, knows_flexible_layouts_from_a_configuration) {
+TEST(Tshark, decodes_flexible_layouts_from_a_configuration) {
     if (!has_tshark()) GTEST_SKIP() << "tshark is not installed";
     const support::TempDir folder;
     const std::string config = folder.write("anogate.json", R"({"flexible": [

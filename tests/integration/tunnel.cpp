@@ -144,7 +144,7 @@ protected:
     void deliver_as_asked() { a->tunnel().deliver = GetParam().deliver; }
 };
 
-TEST_P(Combinations, a_request_and_an_acknowledged_write_go_end_to_end) {
+TEST_P(Combinations, a_request_and_an_acknowledged_write_pass_end_to_end) {
     deliver_as_asked();
     start();
     talk([](const Bytes& f) { return wrap(f); });
@@ -157,7 +157,7 @@ TEST_P(Combinations, a_request_and_an_acknowledged_write_go_end_to_end) {
     EXPECT_TRUE(a->gateway->counters_add_up() && b->gateway->counters_add_up());
 }
 
-TEST_P(Combinations, also_when_frames_to_unheard_addresses_are_dropped) {
+TEST_P(Combinations, work_if_frames_to_unknown_addresses_are_dropped) {
     deliver_as_asked();
     a->settings.gateway.unknown = b->settings.gateway.unknown = anogate::Unknown::drop;
     start();
@@ -202,7 +202,7 @@ INSTANTIATE_TEST_SUITE_P(TwoGateways, Combinations,
                                          Combination{"B2_tunnel", true, Deliver::tunnel}),
                          [](const auto& combination) { return std::string{combination.param.name}; });
 
-TEST_F(TwoGateways, a_datagram_looks_as_the_setting_says) {
+TEST_F(TwoGateways, deliver_sets_the_format_of_datagrams) {
     const auto ground = b->peer("10.77.0.2:0");
     start();
     a->device.write(b1("10.77.0.2", ground->port(), command, "9.9.9.9"));
@@ -220,7 +220,7 @@ TEST_F(TwoGateways, a_datagram_looks_as_the_setting_says) {
     EXPECT_TRUE(until([&] { return ground->heard() == b2(2, ground->port(), command, 1); }));
 }
 
-TEST_F(TwoGateways, the_short_form_goes_to_the_network_of_our_ip) {
+TEST_F(TwoGateways, the_short_form_is_sent_to_the_network_of_the_tunnel_ip) {
     a->space.join(b->space, "second", "10.78.0.1/24", "10.78.0.2/24");
     const auto first = b->peer("10.77.0.2:7000"), second = b->peer("10.78.0.2:7000");
     start();
@@ -234,7 +234,7 @@ TEST_F(TwoGateways, the_short_form_goes_to_the_network_of_our_ip) {
     EXPECT_EQ(first->heard(), command) << "nothing more";
 }
 
-TEST_F(TwoGateways, the_short_form_of_a_sender_in_another_network_is_not_for_us) {
+TEST_F(TwoGateways, the_short_form_from_a_sender_in_another_network_is_not_accepted) {
     a->space.ip("address add 10.79.1.1/16 dev cable");
     b->space.ip("address add 10.79.2.2/16 dev cable");
     start();
@@ -253,7 +253,7 @@ Bytes but_probes(const Bytes& heard) {
     return rest;
 }
 
-TEST_F(TwoGateways, tunnel_frames_to_somebody_else_are_forwarded) {
+TEST_F(TwoGateways, tunnel_frames_to_another_address_are_forwarded) {
     a->settings.gateway.id = 199;
     start();
     const auto listener = b->peer("10.77.0.2:0");
@@ -278,7 +278,7 @@ TEST_F(TwoGateways, tunnel_frames_from_other_links_are_forwarded) {
     EXPECT_EQ(a->count("out"), 0u);
 }
 
-TEST_F(TwoGateways, a_peer_gets_broadcasts_and_a_destination_does_not_become_one) {
+TEST_F(TwoGateways, a_peer_receives_broadcasts_and_a_tunnel_destination_does_not_become_a_peer) {
     start();
     const auto peer = b->peer("10.77.0.2:7001"), destination = b->peer("10.77.0.2:7002");
     a->device.write(b1("10.77.0.2", 7002, command));
@@ -296,7 +296,7 @@ TEST_F(TwoGateways, a_peer_gets_broadcasts_and_a_destination_does_not_become_one
     EXPECT_EQ(destination->heard(), command);
 }
 
-TEST_F(TwoGateways, what_matches_a_rule_is_wrapped_for_the_device) {
+TEST_F(TwoGateways, datagrams_that_match_a_rule_are_wrapped_for_the_device) {
     anogate::WrapSettings rule;
     rule.from = *Network::parse("10.77.0.0/24");
     rule.link = "fc";
@@ -347,7 +347,7 @@ TEST_F(TwoGateways, a_wrapped_datagram_is_split_by_the_links_max_data) {
 
 // The rules of the link apply to wrapped frames too.
 
-TEST_F(TwoGateways, frames_inside_pass_the_filters_of_the_link_they_came_by) {
+TEST_F(TwoGateways, the_filters_of_the_receiving_link_apply_to_inner_frames) {
     a->settings.links[0].rules.receive.deny = {{0xF0, 0xF0}};
     a->settings.links[0].rules.receive.deny_destinations = {{0xDD, 0xDD}};
     start();
@@ -361,7 +361,7 @@ TEST_F(TwoGateways, frames_inside_pass_the_filters_of_the_link_they_came_by) {
     EXPECT_EQ(a->gateway->count("fc", "denied_in"), 4u);
 }
 
-TEST_F(TwoGateways, frames_inside_pass_the_filters_and_limits_of_the_tunnel) {
+TEST_F(TwoGateways, the_filters_and_limits_of_the_tunnel_apply_to_inner_frames) {
     a->tunnel().rules.send.deny = {{0xF0, 0xF0}};
     a->tunnel().rules.limit = {{0xC0, 0.01}};
     b->tunnel().rules.receive.deny = {{0xE1, 0xE1}};
@@ -375,7 +375,7 @@ TEST_F(TwoGateways, frames_inside_pass_the_filters_and_limits_of_the_tunnel) {
     EXPECT_EQ(b->gateway->count("tunnel", "denied_in"), 1u);
 }
 
-TEST_F(TwoGateways, what_is_wrapped_for_a_device_passes_the_filters_of_its_link) {
+TEST_F(TwoGateways, the_filters_of_the_device_link_apply_to_frames_before_they_are_wrapped) {
     anogate::WrapSettings rule;
     rule.from = *Network::parse("10.77.0.0/24");
     rule.link = "fc";
@@ -395,7 +395,7 @@ TEST_F(TwoGateways, what_is_wrapped_for_a_device_passes_the_filters_of_its_link)
 
 // Attacks.
 
-TEST_F(TwoGateways, a_device_reaches_nobody_who_is_not_allowed) {
+TEST_F(TwoGateways, tunnel_frames_of_a_device_reach_only_allowed_destinations) {
     start();
     const auto local = a->peer("127.0.0.1:0"), any = a->peer("0.0.0.0:0");
     std::uint64_t n = 0;
@@ -411,7 +411,7 @@ TEST_F(TwoGateways, a_device_reaches_nobody_who_is_not_allowed) {
     EXPECT_EQ(a->peers(), 0u);
 }
 
-TEST_F(TwoGateways, a_device_never_reaches_a_port_of_its_own_gateway) {
+TEST_F(TwoGateways, tunnel_frames_of_a_device_never_reach_a_port_of_the_same_gateway) {
     a->tunnel().allow = {*Network::parse("127.0.0.0/8"), *Network::parse("10.77.0.1"), *Network::parse("10.77.0.2")};
     a->settings.links.push_back(udp_listen("ground", "0.0.0.0:0"));
     start();
@@ -430,7 +430,7 @@ TEST_F(TwoGateways, a_device_never_reaches_a_port_of_its_own_gateway) {
     EXPECT_TRUE(until([&] { return local->heard() == command; })) << "a program beside us, for it is listed";
 }
 
-TEST_F(TwoGateways, a_gateway_is_no_relay) {
+TEST_F(TwoGateways, a_gateway_does_not_relay_tunnel_frames_for_other_ip_addresses) {
     start();
     const auto attacker = b->peer("10.77.0.2:7001"), victim = b->peer("10.77.0.2:7002");
     const auto gateway = endpoint("10.77.0.1:12333");
@@ -449,7 +449,7 @@ TEST_F(TwoGateways, a_gateway_is_no_relay) {
     EXPECT_TRUE(victim->heard().empty());
 }
 
-TEST_F(TwoGateways, senders_outside_allow_get_nothing_in) {
+TEST_F(TwoGateways, frames_from_senders_outside_allow_are_refused) {
     a->tunnel().allow = {*Network::parse("10.77.0.9")};
     start();
     const auto stranger = b->peer("10.77.0.2:7001");
@@ -464,7 +464,7 @@ TEST_F(TwoGateways, senders_outside_allow_get_nothing_in) {
     EXPECT_EQ(a->gateway->link("tunnel").at("hint"), "senders outside `allow` were refused: add their network to `allow`");
 }
 
-TEST_F(TwoGateways, a_peer_does_not_get_what_is_for_a_pinned_address) {
+TEST_F(TwoGateways, a_peer_does_not_receive_frames_for_a_pinned_address) {
     a->settings.routes = {{mcu, mcu, "fc"}};
     start();
     const auto thief = b->peer("10.77.0.2:7001"), user = b->peer("10.77.0.2:7002");
@@ -475,7 +475,7 @@ TEST_F(TwoGateways, a_peer_does_not_get_what_is_for_a_pinned_address) {
     EXPECT_TRUE(thief->heard().empty());
 }
 
-TEST_F(TwoGateways, more_than_a_datagram_holds_is_refused) {
+TEST_F(TwoGateways, a_tunnel_frame_larger_than_a_datagram_is_refused) {
     a->settings.links[0].max_data = 65535;
     a->settings.links[0].queue = 1 << 18;
     start();
@@ -488,7 +488,7 @@ TEST_F(TwoGateways, more_than_a_datagram_holds_is_refused) {
     EXPECT_EQ(a->count("out"), 0u);
 }
 
-TEST_F(TwoGateways, a_storm_of_nested_tunnels_dies_down) {
+TEST_F(TwoGateways, a_storm_of_nested_tunnel_frames_ends) {
     a->tunnel().deliver = b->tunnel().deliver = Deliver::tunnel;
     start();
     const auto attacker = b->peer("10.77.0.2:7001");
@@ -559,7 +559,7 @@ protected:
     }
 };
 
-TEST_P(Ring, nothing_goes_round) {
+TEST_P(Ring, circulates_no_frame_endlessly) {
     start_ring();
     Bytes all;
     for (std::uint8_t depth = 0; depth < 10; ++depth) {    // each a different frame: a repeated one would be dropped
@@ -587,7 +587,7 @@ INSTANTIATE_TEST_SUITE_P(TwoGateways, Ring,
                                          Combination{"tunnel_wrapped", true, Deliver::tunnel}),
                          [](const auto& combination) { return std::string{combination.param.name}; });
 
-TEST_F(TwoGateways, the_cable_may_be_pulled) {
+TEST_F(TwoGateways, the_tunnel_works_again_after_the_cable_was_unplugged) {
     start();
     a->space.ip("link set cable down");
     EXPECT_TRUE(until([&] {
@@ -601,7 +601,7 @@ TEST_F(TwoGateways, the_cable_may_be_pulled) {
     }));
 }
 
-TEST_F(TwoGateways, a_tunnel_port_in_use_is_waited_for) {
+TEST_F(TwoGateways, the_tunnel_waits_for_a_port_in_use) {
     auto other = a->peer("0.0.0.0:12333");
     {
         const Inside inside{a->space};

@@ -178,7 +178,7 @@ protected:
     std::unique_ptr<RunningGateway> a, b;
 };
 
-TEST_P(JoinedGateways, every_broadcast_arrives_once_and_nothing_goes_round) {
+TEST_P(JoinedGateways, every_broadcast_arrives_once_and_nothing_circulates) {
     constexpr int count = 40;
     const auto from_a = [](int n) { return numbered(0xDC, 0xFF, 0x20, n); };
     const auto from_b = [](int n) { return numbered(0xDD, 0xFF, 0x20, n); };
@@ -219,7 +219,7 @@ TEST_P(JoinedGateways, every_broadcast_arrives_once_and_nothing_goes_round) {
 }
 
 // The ring is recognised by frames of devices; the hint names the links.
-TEST_P(JoinedGateways, a_hosts_command_to_everybody_arrives_once) {
+TEST_P(JoinedGateways, a_broadcast_command_of_a_host_arrives_once) {
     start("");
     if (HasFatalFailure()) return;
     constexpr int count = 20;
@@ -269,7 +269,7 @@ TEST_P(JoinedGateways, a_command_over_a_group_arrives_exactly_once) {
 
 // The link in use falls silent: frames on their way are lost, and those sent until the silence is noticed; no frame arrives
 // twice.
-TEST_P(JoinedGateways, when_a_link_of_a_group_falls_silent_the_other_takes_over) {
+TEST_P(JoinedGateways, the_other_link_of_a_group_takes_over_when_one_becomes_silent) {
     const auto command = [](int n) { return numbered(0xFE, 0xDD, 0xC0, n); };
     for (std::size_t failing : {0u, 1u}) {
         SCOPED_TRACE(failing);

@@ -55,7 +55,7 @@ protected:
     std::unique_ptr<RunningGateway> gateway;
 };
 
-TEST_P(TwoHosts, both_lock) {
+TEST_P(TwoHosts, can_both_lock_and_unlock) {
     for (int i = 0; i < 8; ++i) {
         say(first, lock);
         say(first, unlock);
@@ -66,7 +66,7 @@ TEST_P(TwoHosts, both_lock) {
     EXPECT_TRUE(gateway->counters_add_up());
 }
 
-TEST_P(TwoHosts, both_command_a_device_that_nobody_has_heard) {
+TEST_P(TwoHosts, can_both_send_commands_to_a_device_that_was_never_seen) {
     for (int i = 0; i < 8; ++i) {
         say(first, addressed);
         say(second, addressed);
@@ -75,7 +75,7 @@ TEST_P(TwoHosts, both_command_a_device_that_nobody_has_heard) {
     EXPECT_EQ(looped(), 0u);
 }
 
-TEST_P(TwoHosts, see_of_the_gateways_own_at_most_a_question_a_second) {
+TEST_P(TwoHosts, receive_at_most_one_probe_a_second_from_the_gateway) {
     const auto begin = anogate::Clock::now();
     for (int i = 0; i < 30; ++i) {
         say(first, lock);
@@ -143,7 +143,7 @@ protected:
     std::unique_ptr<RunningGateway> gateway;
 };
 
-TEST_F(Bridged, a_command_passes_three_times_at_most_and_then_once) {
+TEST_F(Bridged, a_command_passes_at_most_three_times_and_later_ones_once) {
     for (std::uint8_t n = 0; n < 4; ++n) {
         const Bytes what = frame(0xFE, 0xFF, 0xC0, {0x10, 0, n});
         host.send(gateway->port("ground"), what);
@@ -209,7 +209,7 @@ protected:
 };
 
 // Enough commands for 200 copies in a second on any machine.
-TEST_F(Cabled, a_loop_is_cut_and_named_and_then_a_command_passes_once) {
+TEST_F(Cabled, a_loop_is_cut_and_reported_and_later_commands_pass_once) {
     for (std::uint8_t n = 0; n < 100; ++n) host.send(gateway->port("ground"), order(n));
     ASSERT_TRUE(until([&] { return std::string{gateway->link("wifi").at("hint")}.starts_with("loop: frames sent to "); }));
     ASSERT_TRUE(until_quiet()) << "nothing circulates";

@@ -46,7 +46,7 @@ TEST(UdpLink, serial_and_a_fixed_peer_exchange_vendor_bytes_unchanged) {
     EXPECT_EQ(host.last_sender().port, daemon.port("host"));
 }
 
-TEST(UdpLink, hears_nobody_but_its_peer) {
+TEST(UdpLink, receives_only_from_its_peer) {
     UdpPeer host, stranger;
     RunningGateway daemon{udp("host", host.local().text())};
     stranger.send(daemon.port("host"), vendor::who_are_you);
@@ -56,7 +56,7 @@ TEST(UdpLink, hears_nobody_but_its_peer) {
     EXPECT_EQ(daemon.count("host", "bytes_in"), vendor::command.size());
 }
 
-TEST(UdpLink, a_peer_that_is_gone_is_shown_and_heard_again_when_it_is_back) {
+TEST(UdpLink, shows_a_lost_peer_and_sends_to_it_again_when_it_returns) {
     auto peer = std::make_unique<UdpPeer>();
     const auto address = peer->local();
     UdpPeer air;
@@ -86,7 +86,7 @@ TEST(UdpLink, a_peer_that_is_gone_is_shown_and_heard_again_when_it_is_back) {
     EXPECT_TRUE(daemon.counters_add_up());
 }
 
-TEST(UdpLink, bind_chooses_where_it_sends_from) {
+TEST(UdpLink, bind_sets_the_source_address) {
     std::uint16_t port;
     {
         UdpPeer free;
@@ -102,7 +102,7 @@ TEST(UdpLink, bind_chooses_where_it_sends_from) {
     EXPECT_EQ(host.last_sender(), *link.as<anogate::UdpSettings>().bind);
 }
 
-TEST(UdpLink, a_bound_port_in_use_is_waited_for) {
+TEST(UdpLink, waits_for_a_bound_port_in_use) {
     auto holder = std::make_unique<UdpPeer>();
     UdpPeer host;
     auto link = udp("host", host.local().text());
@@ -124,7 +124,7 @@ TEST(UdpLink, a_bound_ipv6_any_address_reaches_an_ipv4_peer) {
     EXPECT_TRUE(daemon.until([&] { return host.heard() == telemetry; }));
 }
 
-TEST(UdpLink, ipv6) {
+TEST(UdpLink, sends_and_receives_over_ipv6) {
     UdpPeer host{"[::1]:0"}, air;
     RunningGateway daemon{udp("host", host.local().text()), udp_listen("air")};
     host.send(daemon.port("host"), vendor::who_are_you);
@@ -133,7 +133,7 @@ TEST(UdpLink, ipv6) {
     EXPECT_TRUE(daemon.until([&] { return host.heard() == telemetry; }));
 }
 
-TEST(UdpLink, multicast_is_joined_sent_to_and_heard) {
+TEST(UdpLink, joins_a_multicast_group_sends_to_it_and_receives_from_it) {
     ANOGATE_NEEDS_NAMESPACES();
     const NetworkNamespace network;
     ASSERT_TRUE(network.run("link add va type veth peer name vb") && network.run("addr add 10.9.0.1/24 dev va") &&
@@ -156,7 +156,7 @@ TEST(UdpLink, multicast_is_joined_sent_to_and_heard) {
     EXPECT_TRUE(daemon.until([&] { return daemon.count("group", "frames_in") == 1; }));
 }
 
-TEST(UdpLink, bind_names_the_interface_of_a_multicast_group) {
+TEST(UdpLink, bind_selects_the_interface_of_a_multicast_group) {
     ANOGATE_NEEDS_NAMESPACES();
     const NetworkNamespace network;
     ASSERT_TRUE(network.run("link add va type veth peer name vb") && network.run("addr add 10.9.0.1/24 dev va") &&
@@ -175,7 +175,7 @@ TEST(UdpLink, bind_names_the_interface_of_a_multicast_group) {
     EXPECT_TRUE(daemon.until([&] { return daemon.count("group", "frames_in") == 1; }));
 }
 
-TEST(UdpLink, its_interface_is_that_of_a_multicast_group) {
+TEST(UdpLink, interface_selects_the_interface_of_a_multicast_group) {
     ANOGATE_NEEDS_NAMESPACES();
     OpenNetworkBeside t;
     t.vehicle.ip("route add 224.0.0.0/4 dev wifi0");
@@ -192,7 +192,7 @@ TEST(UdpLink, its_interface_is_that_of_a_multicast_group) {
     EXPECT_EQ(daemon->count("group", "frames_in"), 1u);
 }
 
-TEST(UdpLink, of_an_interface_hears_nobody_who_comes_by_another_under_its_peers_address) {
+TEST(UdpLink, of_an_interface_ignores_its_peer_address_on_another_interface) {
     ANOGATE_NEEDS_NAMESPACES();
     OpenNetworkBeside t;
     const auto ground = t.at(t.ground, "10.77.0.2:6670"), stranger = t.at(t.stranger, "10.77.0.2:6670");
@@ -205,7 +205,7 @@ TEST(UdpLink, of_an_interface_hears_nobody_who_comes_by_another_under_its_peers_
     }
 }
 
-TEST(UdpLink, of_an_interface_sends_by_it_whatever_the_routes_say) {
+TEST(UdpLink, of_an_interface_sends_on_it_whatever_the_routes_are) {
     ANOGATE_NEEDS_NAMESPACES();
     OpenNetworkBeside t;
     for (const Namespace* space : {&t.ground, &t.stranger}) space->ip("address add 10.78.0.5/32 dev lo");
@@ -225,7 +225,7 @@ TEST(UdpLink, of_an_interface_sends_by_it_whatever_the_routes_say) {
     }
 }
 
-TEST(UdpLink, of_an_interface_waits_for_it_and_takes_the_next_one_of_that_name) {
+TEST(UdpLink, of_an_interface_waits_for_it_and_uses_the_next_one_with_that_name) {
     ANOGATE_NEEDS_NAMESPACES();
     OpenNetworkBeside t;
     const auto daemon = t.gateway({on_interface(udp("ground", "10.77.0.2:6670"), "wg0"), udp_listen("air")});
@@ -239,7 +239,7 @@ TEST(UdpLink, of_an_interface_waits_for_it_and_takes_the_next_one_of_that_name) 
     }));
 }
 
-TEST(UdpLink, a_multicast_group_is_heard_again_when_its_interface_is_another) {
+TEST(UdpLink, receives_from_a_multicast_group_again_after_its_interface_was_replaced) {
     ANOGATE_NEEDS_NAMESPACES();
     const NetworkNamespace network;
     const auto plug_in = [&] {
@@ -264,7 +264,7 @@ TEST(UdpLink, a_multicast_group_is_heard_again_when_its_interface_is_another) {
     }
 }
 
-TEST(UdpLink, a_multicast_group_that_no_route_leads_to_asks_for_its_interface) {
+TEST(UdpLink, reports_a_multicast_group_without_a_route_and_suggests_to_name_an_interface) {
     ANOGATE_NEEDS_NAMESPACES();
     const NetworkNamespace network;
     ASSERT_TRUE(network.run("link add va type veth peer name vb") && network.run("addr add 10.9.0.1/24 dev va") &&
@@ -275,7 +275,7 @@ TEST(UdpLink, a_multicast_group_that_no_route_leads_to_asks_for_its_interface) {
               "bind=ADDRESS:17000");
 }
 
-TEST(UdpLink, ipv6_multicast_on_an_interface) {
+TEST(UdpLink, receives_ipv6_multicast_on_an_interface) {
     ANOGATE_NEEDS_NAMESPACES();
     const NetworkNamespace network;
     ASSERT_TRUE(network.run("link add va type veth peer name vb") && network.run("link set va up") &&
@@ -288,7 +288,7 @@ TEST(UdpLink, ipv6_multicast_on_an_interface) {
     EXPECT_TRUE(daemon.until([&] { return daemon.count("group", "frames_in") == 1; }));
 }
 
-TEST(UdpLink, an_interface_that_is_not_there_is_waited_for_and_comes_back_under_another_number) {
+TEST(UdpLink, waits_for_an_absent_interface_and_accepts_it_with_a_new_index) {
     ANOGATE_NEEDS_NAMESPACES();
     const NetworkNamespace network;
     RunningGateway daemon{udp("far", "[fe80::2%va]:17000"), udp_listen("near", "[fe80::1%va]:17001"), udp_listen("air")};
@@ -318,7 +318,7 @@ TEST(UdpLink, an_interface_that_is_not_there_is_waited_for_and_comes_back_under_
     }
 }
 
-TEST(UdpLink, an_interface_may_become_another_one_again_and_again) {
+TEST(UdpLink, works_again_each_time_its_interface_is_replaced) {
     ANOGATE_NEEDS_NAMESPACES();
     const NetworkNamespace network;
     const auto plug_in = [&] {
@@ -344,7 +344,7 @@ TEST(UdpLink, an_interface_may_become_another_one_again_and_again) {
     }
 }
 
-TEST(UdpLink, broadcast_reaches_everybody_and_does_not_come_back) {
+TEST(UdpLink, broadcast_reaches_all_listeners_and_is_not_received_by_the_sender) {
     ANOGATE_NEEDS_NAMESPACES();
     const NetworkNamespace network;
     ASSERT_TRUE(network.run("link add va type veth peer name vb") && network.run("addr add 10.9.0.1/24 brd + dev va") &&
@@ -364,7 +364,7 @@ TEST(UdpLink, broadcast_reaches_everybody_and_does_not_come_back) {
     }
 }
 
-TEST(UdpLink, no_way_to_the_peer_is_waited_for) {
+TEST(UdpLink, waits_for_a_route_to_the_peer) {
     ANOGATE_NEEDS_NAMESPACES();
     const NetworkNamespace network;
     RunningGateway daemon{udp("host", "192.0.2.9:6670")};
@@ -392,7 +392,7 @@ TEST(UdpLink, the_address_of_its_interface_may_change) {
     EXPECT_TRUE(daemon.counters_add_up());
 }
 
-TEST(UdpListenLink, a_local_address_that_is_not_there_yet_is_waited_for) {
+TEST(UdpListenLink, waits_for_a_local_address_that_does_not_exist_yet) {
     ANOGATE_NEEDS_NAMESPACES();
     const NetworkNamespace network;
     RunningGateway daemon{udp_listen("ground", "192.0.2.1:12333")};

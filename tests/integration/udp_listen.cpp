@@ -29,7 +29,7 @@ struct TwoLinks {
     void say(const Bytes& bytes) { air.send(daemon.port("air"), bytes); }
 };
 
-TEST(UdpListenLink, a_peer_is_known_after_one_whole_good_frame_and_not_before) {
+TEST(UdpListenLink, registers_a_peer_only_after_one_complete_valid_frame) {
     TwoLinks t;
     UdpPeer host;
     const auto port = t.daemon.port("ground");
@@ -51,7 +51,7 @@ TEST(UdpListenLink, a_peer_is_known_after_one_whole_good_frame_and_not_before) {
     EXPECT_EQ(t.daemon.count("ground", "frames_in"), 1u);
 }
 
-TEST(UdpListenLink, a_link_of_the_same_gateway_is_no_peer) {
+TEST(UdpListenLink, does_not_register_a_link_of_the_same_gateway_as_a_peer) {
     std::string ground_at;
     {
         const UdpPeer free;
@@ -64,7 +64,7 @@ TEST(UdpListenLink, a_link_of_the_same_gateway_is_no_peer) {
     EXPECT_EQ(daemon.link("ground").at("channels").size(), 0u);
 }
 
-TEST(UdpListenLink, every_peer_has_a_channel_of_its_own) {
+TEST(UdpListenLink, every_peer_has_a_separate_channel) {
     TwoLinks t;
     UdpPeer first, second, third;
     const auto port = t.daemon.port("ground");
@@ -82,7 +82,7 @@ TEST(UdpListenLink, every_peer_has_a_channel_of_its_own) {
     EXPECT_TRUE(t.daemon.counters_add_up());
 }
 
-TEST(UdpListenLink, peers_hear_each_other) {
+TEST(UdpListenLink, forwards_frames_between_its_peers) {
     RunningGateway daemon{udp_listen("ground")};
     UdpPeer fc, host;
     host.send(daemon.port("ground"), vendor::who_are_you);
@@ -109,7 +109,7 @@ TEST(UdpListenLink, a_silent_peer_is_forgotten) {
     EXPECT_EQ(daemon.count("ground", "frames_in"), 2u);
 }
 
-TEST(UdpListenLink, what_became_of_frames_for_a_peer_that_is_gone_stays_counted) {
+TEST(UdpListenLink, keeps_the_counters_of_a_removed_peer) {
     auto link = udp_listen("ground");
     link.as<anogate::UdpListenSettings>().peer_timeout = 300ms;
     link.rules.send.deny = {{0x06, 0x06}};
@@ -128,7 +128,7 @@ TEST(UdpListenLink, what_became_of_frames_for_a_peer_that_is_gone_stays_counted)
 }
 
 // The peer that is due first is checked first, in whatever order they joined.
-TEST(UdpListenLink, half_frames_of_several_peers_expire_each_in_its_own_time) {
+TEST(UdpListenLink, partial_frames_of_several_peers_expire_independently) {
     TwoLinks t;
     UdpPeer one, two, host;
     for (UdpPeer* peer : {&one, &two}) peer->send(t.daemon.port("ground"), vendor::i_am_an_mcu);
@@ -149,7 +149,7 @@ TEST(UdpListenLink, half_frames_of_several_peers_expire_each_in_its_own_time) {
     EXPECT_TRUE(t.daemon.until([&] { return expired(two); })) << "nobody sends anything more";
 }
 
-TEST(UdpListenLink, a_peer_that_speaks_is_kept) {
+TEST(UdpListenLink, a_peer_that_sends_is_kept) {
     auto link = udp_listen("ground");
     link.as<anogate::UdpListenSettings>().peer_timeout = 400ms;
     RunningGateway daemon{link};
@@ -163,7 +163,7 @@ TEST(UdpListenLink, a_peer_that_speaks_is_kept) {
     }));
 }
 
-TEST(UdpListenLink, a_host_that_only_listens_goes_on_hearing) {
+TEST(UdpListenLink, a_host_that_only_listens_stays_registered) {
     auto link = udp_listen("ground");
     link.as<anogate::UdpListenSettings>().peer_timeout = 200ms;
     RunningGateway daemon{link, udp_listen("air")};
@@ -179,7 +179,7 @@ TEST(UdpListenLink, a_host_that_only_listens_goes_on_hearing) {
 }
 
 // Without the new peer, the next check would be an hour later.
-TEST(UdpListenLink, who_comes_after_a_silent_host_is_forgotten_in_its_own_time) {
+TEST(UdpListenLink, a_device_that_joins_after_a_silent_host_expires_after_its_timeout) {
     auto link = udp_listen("ground");
     link.as<anogate::UdpListenSettings>().peer_timeout = 200ms;
     RunningGateway daemon{link};
@@ -194,7 +194,7 @@ TEST(UdpListenLink, who_comes_after_a_silent_host_is_forgotten_in_its_own_time) 
     EXPECT_EQ(daemon.link("ground").at("channels").at(0).at("peer"), host.local().text());
 }
 
-TEST(UdpListenLink, of_the_silent_hosts_of_an_address_the_two_heard_last_stay) {
+TEST(UdpListenLink, keeps_the_two_most_recent_of_the_silent_hosts_of_one_address) {
     auto link = udp_listen("ground");
     link.as<anogate::UdpListenSettings>().peer_timeout = 200ms;
     RunningGateway daemon{link};
@@ -211,7 +211,7 @@ TEST(UdpListenLink, of_the_silent_hosts_of_an_address_the_two_heard_last_stay) {
     EXPECT_TRUE(daemon.counters_add_up());
 }
 
-TEST(UdpListenLink, when_all_places_are_taken_the_one_silent_longest_gives_way) {
+TEST(UdpListenLink, removes_the_peer_silent_for_longest_when_max_peers_is_reached) {
     auto link = udp_listen("ground");
     link.as<anogate::UdpListenSettings>().max_peers = 2;
     RunningGateway daemon{link};
@@ -241,7 +241,7 @@ TEST(UdpListenLink, a_sender_outside_the_allowed_networks_is_refused_and_counted
     EXPECT_NE(daemon.link("ground").at("hint").get<std::string>().find("allow"), std::string::npos);
 }
 
-TEST(UdpListenLink, an_allowed_network_or_any_is_let_in) {
+TEST(UdpListenLink, accepts_senders_from_an_allowed_network_or_from_any) {
     auto one = udp_listen("one");
     one.as<anogate::UdpListenSettings>().allow = {*anogate::Network::parse("10.0.0.0/8"), *anogate::Network::parse("127.0.0.1")};
     auto any = udp_listen("any");
@@ -254,7 +254,7 @@ TEST(UdpListenLink, an_allowed_network_or_any_is_let_in) {
     }
 }
 
-TEST(UdpListenLink, one_datagram_of_sixty_frames) {
+TEST(UdpListenLink, forwards_all_sixty_frames_of_one_datagram) {
     TwoLinks t;
     UdpPeer host;
     host.send(t.daemon.port("ground"), vendor::who_are_you);
@@ -266,7 +266,7 @@ TEST(UdpListenLink, one_datagram_of_sixty_frames) {
     EXPECT_EQ(t.daemon.count("air", "frames_in"), 60u);
 }
 
-TEST(UdpListenLink, the_first_datagram_of_a_stranger_counts_with_all_its_frames) {
+TEST(UdpListenLink, forwards_all_frames_of_the_first_datagram_of_a_new_sender) {
     TwoLinks t;
     UdpPeer host;
     host.send(t.daemon.port("ground"), vendor::who_are_you);
@@ -275,7 +275,7 @@ TEST(UdpListenLink, the_first_datagram_of_a_stranger_counts_with_all_its_frames)
     EXPECT_TRUE(t.daemon.until([&] { return host.heard() == vendor::i_am_an_mcu + telemetry; })) << "urgent first";
 }
 
-TEST(UdpListenLink, a_stranger_whose_first_frame_stands_behind_a_false_header_is_a_peer_like_any_other) {
+TEST(UdpListenLink, registers_a_sender_whose_first_frame_follows_a_false_header) {
     auto link = udp_listen("ground");
     link.as<anogate::UdpListenSettings>().max_peers = 2;
     RunningGateway daemon{link};
@@ -302,7 +302,7 @@ TEST(UdpListenLink, a_frame_may_be_split_across_two_datagrams) {
     EXPECT_EQ(t.daemon.count("air", "skipped_bytes"), 0u);
 }
 
-TEST(UdpListenLink, what_stands_behind_a_false_header_of_one_peer_does_not_wait_for_the_others) {
+TEST(UdpListenLink, frames_after_a_false_header_of_one_peer_do_not_wait_for_other_peers) {
     RunningGateway daemon{udp_listen("ground")};
     UdpPeer first, second;
     for (UdpPeer* peer : {&first, &second}) peer->send(daemon.port("ground"), vendor::who_are_you);
@@ -331,7 +331,7 @@ TEST(UdpListenLink, half_a_frame_does_not_spoil_the_next_datagram) {
     EXPECT_TRUE(t.daemon.until([&] { return host.heard() == telemetry + vendor::i_am_an_mcu; }));
 }
 
-TEST(UdpListenLink, the_largest_datagram_there_is) {
+TEST(UdpListenLink, forwards_the_largest_possible_datagram) {
     auto ground = udp_listen("ground"), air = udp_listen("air");
     ground.max_data = air.max_data = 65535;
     ground.queue = air.queue = 128 * 1024;
@@ -345,7 +345,7 @@ TEST(UdpListenLink, the_largest_datagram_there_is) {
     EXPECT_TRUE(host.heard() == image);
 }
 
-TEST(UdpListenLink, a_frame_too_large_for_any_datagram_is_counted_and_the_next_one_leaves) {
+TEST(UdpListenLink, counts_a_frame_too_large_for_any_datagram_and_sends_the_next_one) {
     // Two datagrams register a peer; no datagram can remove it.
     auto ground = udp_listen("ground"), air = udp_listen("air");
     ground.max_data = air.max_data = 65535;
@@ -364,7 +364,7 @@ TEST(UdpListenLink, a_frame_too_large_for_any_datagram_is_counted_and_the_next_o
     EXPECT_TRUE(daemon.counters_add_up());
 }
 
-TEST(UdpListenLink, ipv6) {
+TEST(UdpListenLink, sends_and_receives_over_ipv6) {
     RunningGateway daemon{udp_listen("six", "[::1]:0"), udp_listen("air")};
     UdpPeer host{"[::1]:0"}, air;
     host.send(daemon.port("six"), vendor::who_are_you);
@@ -387,7 +387,7 @@ TEST(UdpListenLink, the_ipv6_any_address_serves_ipv4_too) {
     EXPECT_TRUE(daemon.until([&] { return four.heard() == vendor::i_am_an_mcu && six.heard() == vendor::i_am_an_mcu; }));
 }
 
-TEST(UdpListenLink, a_port_in_use_is_waited_for_and_taken_when_it_is_free) {
+TEST(UdpListenLink, waits_for_a_port_in_use_and_opens_it_when_it_is_free) {
     auto holder = std::make_unique<UdpPeer>();
     const auto port = holder->port();
     RunningGateway daemon{udp_listen("ground", "127.0.0.1:" + std::to_string(port))};
@@ -407,7 +407,7 @@ anogate::LinkSettings port_of(const std::string& name, const std::string& local,
     return link;
 }
 
-TEST(UdpListenLink, of_an_interface_hears_nobody_who_comes_by_another_under_its_addresses) {
+TEST(UdpListenLink, of_an_interface_ignores_its_addresses_on_another_interface) {
     ANOGATE_NEEDS_NAMESPACES();
     OpenNetworkBeside t;
     const auto ground = t.at(t.ground), stranger = t.at(t.stranger);
@@ -420,7 +420,7 @@ TEST(UdpListenLink, of_an_interface_hears_nobody_who_comes_by_another_under_its_
     }
 }
 
-TEST(UdpListenLink, of_an_interface_waits_for_it_and_takes_the_next_one_of_that_name) {
+TEST(UdpListenLink, of_an_interface_waits_for_it_and_uses_the_next_one_with_that_name) {
     ANOGATE_NEEDS_NAMESPACES();
     OpenNetworkBeside t;
     const auto daemon = t.gateway({port_of("ground", "10.77.0.1:12333", "wg0")});
@@ -431,7 +431,7 @@ TEST(UdpListenLink, of_an_interface_waits_for_it_and_takes_the_next_one_of_that_
     EXPECT_TRUE(daemon->until([&] { return peers(*daemon) == 1; }));
 }
 
-TEST(UdpListenLink, one_port_is_had_by_one_link_of_each_interface) {
+TEST(UdpListenLink, one_link_of_each_interface_can_use_the_same_port) {
     ANOGATE_NEEDS_NAMESPACES();
     OpenNetworkBeside t;
     const auto ground = t.at(t.ground), stranger = t.at(t.stranger);
@@ -448,7 +448,7 @@ TEST(UdpListenLink, one_port_is_had_by_one_link_of_each_interface) {
     EXPECT_EQ(daemon->count("open", "frames_in"), 2u);
 }
 
-TEST(UdpListenLink, a_peer_that_is_gone_disturbs_nobody) {
+TEST(UdpListenLink, a_lost_peer_does_not_disturb_other_peers) {
     TwoLinks t;
     auto gone = std::make_unique<UdpPeer>();
     UdpPeer host;
@@ -468,7 +468,7 @@ TEST(UdpListenLink, a_peer_that_is_gone_disturbs_nobody) {
 }
 
 // Loopback answers at once: the error for a datagram to a closed port is returned by the next call.
-TEST(UdpListenLink, what_the_network_says_of_dead_peers_costs_no_frame_of_another) {
+TEST(UdpListenLink, network_errors_of_lost_peers_lose_no_frame_of_another_peer) {
     TwoLinks t;
     UdpPeer host;
     std::vector<std::unique_ptr<UdpPeer>> dead;
@@ -492,7 +492,7 @@ TEST(UdpListenLink, what_the_network_says_of_dead_peers_costs_no_frame_of_anothe
 }
 
 // The only wait by the clock in this file: a program has five seconds to restart on its port.
-TEST(UdpListenLink, a_listening_host_whose_port_is_closed_is_gone_when_the_network_said_so_for_five_seconds) {
+TEST(UdpListenLink, removes_a_listening_host_after_its_port_was_reported_closed_for_five_seconds) {
     RunningGateway daemon{udp_listen("four"), udp_listen("six", "[::1]:0"), udp_listen("both", "[::]:0"), udp_listen("air")};
     UdpPeer air, host4, host6{"[::1]:0"}, host_both;
     const std::pair<const char*, UdpPeer*> listening[] = {{"four", &host4}, {"six", &host6}, {"both", &host_both}};
@@ -515,7 +515,7 @@ TEST(UdpListenLink, a_listening_host_whose_port_is_closed_is_gone_when_the_netwo
 }
 
 // Then every refusal is reported while alarms are handled.
-TEST(UdpListenLink, hosts_whose_ports_are_closed_are_gone_also_when_an_alarm_does_the_sending) {
+TEST(UdpListenLink, removes_hosts_with_closed_ports_also_when_a_timer_sends) {
     const support::TempDir folder;
     support::Daemon gateway{ANOGATED, (folder.path() / "socket").string(), {"sim:fc", "udp-listen:127.0.0.1:0,name=ground"}};
     ASSERT_TRUE(gateway.until_up("ground"));
@@ -527,7 +527,7 @@ TEST(UdpListenLink, hosts_whose_ports_are_closed_are_gone_also_when_an_alarm_doe
     EXPECT_TRUE(gateway.until([&](const nlohmann::json&) { return gateway.link("ground").at("channels").empty(); }));
 }
 
-TEST(UdpListenLink, strangers_by_the_thousand_leave_the_link_working) {
+TEST(UdpListenLink, works_despite_thousands_of_unknown_senders) {
     auto link = udp_listen("ground");
     link.as<anogate::UdpListenSettings>().max_peers = 4;
     RunningGateway daemon{link};

@@ -81,14 +81,14 @@ TEST_P(WebSockets, carry_text_and_bytes_both_ways_in_order) {
     EXPECT_TRUE(ends_with(client, closed_with(1000)));
 }
 
-TEST_P(WebSockets, hear_what_came_with_the_request) {
+TEST_P(WebSockets, receive_messages_that_were_sent_together_with_the_request) {
     Client client = connect(GetParam());
     client.send(upgrade() + frame(said_text, "early") + frame(said_text, std::string(3000, 'e')));
     EXPECT_TRUE(until(
         [&] { return client.has_heard(from_server(said_text, "early") + from_server(said_text, std::string(3000, 'e'))); }));
 }
 
-TEST_P(WebSockets, end_when_we_say_so_and_the_client_is_told_why) {
+TEST_P(WebSockets, close_on_request_and_send_the_reason_to_the_client) {
     Client client = open(GetParam());
     echo.socket->close(1001, "the gateway is stopping");
     EXPECT_FALSE(echo.socket->send(std::make_shared<const std::string>("late"), WebSocket::Kind::text));
@@ -97,7 +97,7 @@ TEST_P(WebSockets, end_when_we_say_so_and_the_client_is_told_why) {
     EXPECT_TRUE(until([&] { return client.is_closed() && echo.gone; }));
 }
 
-TEST_P(WebSockets, for_which_memory_is_too_short_end_and_nothing_else) {
+TEST_P(WebSockets, close_when_memory_runs_out_without_affecting_others) {
     echo.has_memory = false;
     Client refused = connect(GetParam());
     refused.send(upgrade());
@@ -119,13 +119,13 @@ TEST_P(WebSockets, for_which_memory_is_too_short_end_and_nothing_else) {
     EXPECT_TRUE(says(fourth, from_server(said_text, "as before")));
 }
 
-TEST_P(WebSockets, end_with_their_client) {
+TEST_P(WebSockets, end_when_their_client_disconnects) {
     Client client = open(GetParam());
     client.leave();
     EXPECT_TRUE(until([&] { return echo.gone; }));
 }
 
-TEST_P(WebSockets, refuse_what_is_not_allowed_with_its_code) {
+TEST_P(WebSockets, close_with_the_right_code_after_an_invalid_frame) {
     struct {
         std::string bytes;
         std::uint16_t code;
@@ -146,7 +146,7 @@ TEST_P(WebSockets, refuse_what_is_not_allowed_with_its_code) {
     }
 }
 
-TEST_F(WebSockets, are_refused_in_words_where_the_request_does_not_fit) {
+TEST_F(WebSockets, are_refused_with_a_reason_if_the_request_is_not_valid) {
     EXPECT_NE(answer("GET /socket HTTP/1.1\r\nConnection: close\r\n\r\n").find("426 Upgrade Required"), std::string::npos);
     EXPECT_TRUE(echo.gone);
     Client old = connect(), keyless = connect();
@@ -156,7 +156,7 @@ TEST_F(WebSockets, are_refused_in_words_where_the_request_does_not_fit) {
     EXPECT_TRUE(until([&] { return keyless.has_heard("400 Bad Request"); }));
 }
 
-TEST_P(WebSockets, queue_what_the_client_does_not_take_up_to_a_bound) {
+TEST_P(WebSockets, queue_messages_up_to_a_limit_if_the_client_does_not_read) {
     Client client = open(GetParam());
     const auto message = std::make_shared<const std::string>(64 * 1024, 'x');
     int taken = 0;
@@ -174,7 +174,7 @@ TEST_P(WebSockets, queue_what_the_client_does_not_take_up_to_a_bound) {
     EXPECT_TRUE(echo.socket->send(message, WebSocket::Kind::binary)) << "there is room again";
 }
 
-TEST_P(WebSockets, are_gone_at_once_when_the_server_stops) {
+TEST_P(WebSockets, close_immediately_when_the_server_stops) {
     Client client = open(GetParam());
     server->stop();
     EXPECT_TRUE(echo.gone);
@@ -196,7 +196,7 @@ protected:
 INSTANTIATE_TEST_SUITE_P(Over, ImpatientWebSockets, testing::Values(Way::unix_socket, Way::tcp),
                          [](const auto& way) { return way.param == Way::tcp ? "tcp" : "unix"; });
 
-TEST_P(ImpatientWebSockets, stay_while_the_client_answers_our_pings_and_no_longer) {
+TEST_P(ImpatientWebSockets, stay_open_only_while_the_client_answers_pings) {
     Client client = open(GetParam());
     const auto begin = std::chrono::steady_clock::now();
     ASSERT_TRUE(until([&] {
@@ -211,7 +211,7 @@ TEST_P(ImpatientWebSockets, stay_while_the_client_answers_our_pings_and_no_longe
     EXPECT_TRUE(until([&] { return client.is_closed(); }));
 }
 
-TEST_P(ImpatientWebSockets, are_cut_when_the_client_takes_nothing) {
+TEST_P(ImpatientWebSockets, are_closed_when_the_client_reads_nothing) {
     Client client = open(GetParam());
     const auto message = std::make_shared<const std::string>(64 * 1024, 'x');
     // The client sends all the time; that it does not read is independent.
@@ -223,7 +223,7 @@ TEST_P(ImpatientWebSockets, are_cut_when_the_client_takes_nothing) {
     EXPECT_TRUE(until([&] { return client.is_closed(); }));
 }
 
-TEST_P(ImpatientWebSockets, whose_client_does_not_say_goodbye_are_closed_without) {
+TEST_P(ImpatientWebSockets, close_without_a_close_frame_from_the_client) {
     Client client = open(GetParam());
     echo.socket->close(1000, "");
     EXPECT_TRUE(until([&] { return echo.gone; }));
@@ -232,7 +232,7 @@ TEST_P(ImpatientWebSockets, whose_client_does_not_say_goodbye_are_closed_without
 
 // The deadline of the request expires in the turn of the loop in which the request is answered. Its timer is late then, and must
 // not apply to the WebSocket.
-TEST_F(WebSockets, stay_that_were_opened_when_the_time_for_the_request_was_just_over) {
+TEST_F(WebSockets, stay_open_if_opened_just_after_the_request_deadline) {
     ServerLimits limits;
     limits.session.patience = 60ms;
     begin(limits);
@@ -257,7 +257,7 @@ TEST_F(WebSockets, stay_that_were_opened_when_the_time_for_the_request_was_just_
 }
 
 // Viewers occupy all places; each one keeps its place as long as it reads what it is sent.
-TEST_F(JudgingHttpServer, who_controls_finds_a_place_however_many_look) {
+TEST_F(JudgingHttpServer, accepts_a_control_client_however_many_viewers_are_connected) {
     const auto watch = [this](const std::string& headers) {
         Client client{UniqueFd{support::connect_tcp(port)}};
         client.send(
@@ -287,7 +287,7 @@ TEST_F(JudgingHttpServer, who_controls_finds_a_place_however_many_look) {
 }
 
 // Each message takes as long to handle as a large one with thousands of names.
-TEST_F(JudgingHttpServer, between_messages_of_web_sockets_that_look_a_command_has_its_turn) {
+TEST_F(JudgingHttpServer, handles_a_command_between_messages_of_read_only_web_sockets) {
     std::vector<Client> crowd;
     for (int i = 0; i < 12; ++i) {
         crowd.emplace_back(UniqueFd{support::connect_tcp(port)});
@@ -314,7 +314,7 @@ TEST_F(JudgingHttpServer, between_messages_of_web_sockets_that_look_a_command_ha
 }
 
 // One user occupies all places for streams: they stay occupied as long as each client reads what it is sent.
-TEST_F(WebSockets, keep_their_places_while_they_are_used) {
+TEST_F(WebSockets, keep_their_connection_quota_while_they_are_used) {
     std::vector<Client> watchers;
     for (int i = 0; i < 20; ++i) {
         watchers.push_back(connect());

@@ -43,7 +43,7 @@ struct Network {
     }
 };
 
-TEST(Alias, every_acknowledgement_fits_what_was_sent) {
+TEST(Alias, every_acknowledgement_matches_the_frame_that_was_sent) {
     constexpr std::array<std::uint8_t, 3> addresses{host, 31, 32};
     for (std::uint64_t seed = 1; seed <= support::trials(40); ++seed) {
         SCOPED_TRACE(testing::Message() << "seed " << seed);

@@ -187,7 +187,7 @@ TEST(DeafDevice, a_call_never_waits_for_a_flush) {
 }
 
 // The flush of the first operation delays that of the second.
-TEST(DeafDevice, of_two_operations_in_a_row_each_is_heard_behind_a_header_of_its_own) {
+TEST(DeafDevice, both_of_two_consecutive_operations_succeed_after_a_damaged_header_each) {
     std::vector<Operation> all = operations();
     all.pop_back();    // an upgrade takes many seconds
     all.push_back({"count", begin<Count>()});
@@ -212,7 +212,7 @@ TEST(DeafDevice, of_two_operations_in_a_row_each_is_heard_behind_a_header_of_its
                 }
 }
 
-TEST(DeafDevice, all_operations_of_a_session_succeed_with_such_a_header_before_each) {
+TEST(DeafDevice, all_operations_of_a_session_succeed_with_a_damaged_header_before_each) {
     Deaf deaf{115200};
     know_count(deaf);
     for (const Operation& operation : operations()) EXPECT_TRUE(time_of(deaf, operation, true)) << operation.name;

@@ -130,7 +130,7 @@ void with_random_messages(std::uint64_t usual, See&& see) {
         }
 }
 
-TEST(DecodedChannels, a_reader_of_cdr_sees_what_our_decoding_says) {
+TEST(DecodedChannels, a_cdr_reader_reads_the_values_that_we_decode) {
     with_random_messages(200, [](const Bytes& frame, bool is_ours, const RosDefinition& definition, std::string_view data) {
         support::CdrReader reader{data};
         const Json told = definition.decode(reader);
@@ -141,7 +141,7 @@ TEST(DecodedChannels, a_reader_of_cdr_sees_what_our_decoding_says) {
     });
 }
 
-TEST(DecodedChannels, fast_cdr_sees_what_our_decoding_says) {
+TEST(DecodedChannels, fast_cdr_reads_the_values_that_we_decode) {
 #if ANOGATE_FAST_CDR
     with_random_messages(200, [](const Bytes& frame, bool is_ours, const RosDefinition& definition, std::string_view data) {
         FastCdrReader reader{data};
@@ -156,7 +156,7 @@ TEST(DecodedChannels, fast_cdr_sees_what_our_decoding_says) {
 #endif
 }
 
-TEST(DecodedChannels, every_definition_is_one_of_ros) {
+TEST(DecodedChannels, every_definition_is_a_valid_ros_definition) {
     for (const ano::Message& row : ano::messages) {
         DecodedChannels decoded{DecodedEncoding::cdr};
         Random random{1};
@@ -165,7 +165,7 @@ TEST(DecodedChannels, every_definition_is_one_of_ros) {
     }
 }
 
-TEST(DecodedChannels, names_of_flexible_values_make_definitions_of_ros) {
+TEST(DecodedChannels, names_of_flexible_values_result_in_valid_ros_definitions) {
     for (std::uint64_t seed = 0; seed < support::trials(300); ++seed) {
         Random random{seed};
         std::vector<ano::FlexibleField> fields(1 + random.below(20u));
@@ -218,7 +218,7 @@ TEST(DecodedChannels, any_frame_is_decoded_without_harm) {
     }
 }
 
-TEST(DecodedChannels, cdr_takes_no_memory_once_it_has_seen_a_message) {
+TEST(DecodedChannels, cdr_allocates_nothing_for_a_message_decoded_before) {
     DecodedChannels decoded{DecodedEncoding::cdr};
     std::vector<Bytes> frames;
     for (const ano::Message& row : ano::messages) {
@@ -232,7 +232,7 @@ TEST(DecodedChannels, cdr_takes_no_memory_once_it_has_seen_a_message) {
     EXPECT_EQ(support::allocations, before);
 }
 
-TEST(DecodedChannels, names_beyond_the_last_channel_take_no_memory) {
+TEST(DecodedChannels, names_beyond_the_last_channel_allocate_nothing) {
     DecodedChannels decoded{DecodedEncoding::cdr};
     const Bytes frame = support::frame(5, 6, 0x06, Bytes(5));
     anogate::RecordedFrame record = passed(frame);

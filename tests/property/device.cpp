@@ -107,7 +107,7 @@ Bytes random_frame(Random& random, std::uint8_t from, std::uint8_t to) {
     return support::frame(from, to, id, data);
 }
 
-TEST(Device, stores_what_it_acknowledges_or_the_nearest_that_it_may) {
+TEST(Device, stores_each_acknowledged_value_or_the_nearest_allowed_one) {
     for (std::uint64_t seed = 0; seed < support::trials(300); ++seed) {
         Random random{seed};
         Profile profile;
@@ -146,7 +146,7 @@ TEST(Device, stores_what_it_acknowledges_or_the_nearest_that_it_may) {
     }
 }
 
-TEST(Device, gives_a_waypoint_back_as_it_was_written) {
+TEST(Device, returns_a_waypoint_as_it_was_written) {
     for (std::uint64_t seed = 0; seed < support::trials(2000); ++seed) {
         Random random{seed};
         Device device{{.id = 0x21}};
@@ -205,7 +205,7 @@ TEST(Device, answers_every_frame_at_most_once) {
 }
 
 // The same if frames wait, and are dropped when too many wait.
-TEST(Device, answers_what_waited_at_most_once) {
+TEST(Device, answers_waiting_frames_at_most_once) {
     for (std::uint64_t seed = 0; seed < support::trials(100); ++seed) {
         Random random{seed};
         Thing thing{0x21, random, random.of({Profile::vendor(), Profile::old()})};
@@ -229,7 +229,7 @@ TEST(Device, answers_what_waited_at_most_once) {
 }
 
 // Two devices receive each other's frames: no frame of one starts an exchange.
-TEST(Device, makes_no_storm_with_another) {
+TEST(Device, causes_no_storm_with_another_device) {
     for (std::uint64_t seed = 0; seed < support::trials(3000); ++seed) {
         Random random{seed};
         Thing a{0x21, random, any_profile(random)}, b{random.of<std::uint8_t>({0x22, 0xD2, 0xDC}), random, any_profile(random)};
@@ -250,7 +250,7 @@ TEST(Device, makes_no_storm_with_another) {
 
 // Frames that are late, lost, repeated, in any order: the image is accepted if and only if every part arrived, and then equals
 // the sent one.
-TEST(Device, passes_an_image_that_is_whole) {
+TEST(Device, installs_an_image_only_if_it_is_complete) {
     for (std::uint64_t seed = 0; seed < support::trials(300); ++seed) {
         Random random{seed};
         Bytes image = random_bytes(random, 1 + random.below(300u));

@@ -133,7 +133,7 @@ const Flood floods[] = {
     {11520, {{third_channel, 1, 30, 1ms}, {third_channel, 1, 31, 1ms}}},
 };
 
-TEST(Fairness, the_one_command_of_a_third_is_never_lost_and_waits_for_two_frames_at_most) {
+TEST(Fairness, a_single_command_of_a_third_sender_is_never_lost_and_waits_for_at_most_two_frames) {
     for (const Flood& flood : floods) {
         SCOPED_TRACE(testing::Message() << flood.rate << " bytes/s, flood " << &flood - floods);
         Line line{flood.rate};
@@ -239,7 +239,7 @@ struct Mix {
     }
 };
 
-TEST(Shares, three_classes_at_three_times_the_line) {
+TEST(Shares, of_three_classes_at_three_times_the_line_are_80_10_and_10_percent) {
     Mix mix{11520, {{{3, 14, 1}, {3, 21, 1}, {3, 108, 1}}}};
     mix.run(20s);
     EXPECT_NEAR(mix.share(0), 0.8, 0.01);
@@ -247,27 +247,27 @@ TEST(Shares, three_classes_at_three_times_the_line) {
     EXPECT_NEAR(mix.share(2), 0.1, 0.01);
 }
 
-TEST(Shares, telemetry_at_a_fifth_of_the_line) {
+TEST(Shares, of_telemetry_at_a_fifth_of_the_line_are_at_least_a_tenth) {
     Mix mix{11520, {{{3, 14, 1}, {0.2, 21, 1}, {3, 108, 1}}}};
     mix.run(20s);
     EXPECT_GE(mix.share(1), 0.099);
     EXPECT_GE(mix.share(2), 0.099);
 }
 
-TEST(Shares, less_than_a_tenth_is_not_lost) {
+TEST(Shares, lose_nothing_of_a_class_below_a_tenth_of_the_line) {
     Mix mix{11520, {{{3, 14, 2}, {0.05, 21, 1}, {0.05, 108, 1}}}};
     mix.run(20s);
     mix.expect_shares();
 }
 
 // A tenth of 9600 baud is 96 bytes/s: a frame of 1008 bytes would need ten seconds and is stale after five.
-TEST(Shares, what_is_stale_before_its_turn_keeps_the_turn_for_the_next) {
+TEST(Shares, pass_the_turn_of_a_stale_frame_to_the_next_frame_of_its_class) {
     Mix mix{960, {{{3, 14, 1}, {3, 208, 1}, {3, 1008, 1}}}};
     mix.run(150s);
     mix.expect_shares();
 }
 
-TEST(Shares, every_mix) {
+TEST(Shares, are_kept_for_every_mix_of_classes) {
     for (std::uint64_t seed = 1; seed <= support::trials(16) && !testing::Test::HasFailure(); ++seed) {
         SCOPED_TRACE(testing::Message() << "seed " << seed);
         support::Random random{seed};

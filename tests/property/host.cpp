@@ -95,7 +95,7 @@ TEST(Host, at_random_loss_on_a_fast_line_121_parameters_are_read_in_seconds) {
 }
 
 // Blocking code in the device's interrupt: questions that arrive while it sends an answer are lost.
-TEST(Host, a_device_that_loses_questions_while_it_answers_is_asked_one_at_a_time) {
+TEST(Host, sends_one_request_at_a_time_to_a_device_that_loses_requests_while_answering) {
     using namespace std::chrono_literals;
     FakeDevice fake;
     fake.make_parameters(121);
@@ -116,7 +116,7 @@ TEST(Host, a_device_that_loses_questions_while_it_answers_is_asked_one_at_a_time
     EXPECT_LE(took, 4s);
 }
 
-TEST(Host, a_line_that_loses_at_random_is_not_taken_for_such_a_device) {
+TEST(Host, does_not_limit_requests_to_one_on_a_line_with_random_loss) {
     using namespace std::chrono_literals;
     FakeDevice fake;
     fake.make_parameters(121);
@@ -131,7 +131,7 @@ TEST(Host, a_line_that_loses_at_random_is_not_taken_for_such_a_device) {
 }
 
 // `rate=30`: a question waits up to three seconds before it is sent.
-TEST(Host, waiting_in_our_own_queue_is_no_waiting_for_an_answer) {
+TEST(Host, does_not_count_time_in_the_send_queue_as_waiting_for_an_answer) {
     using namespace std::chrono_literals;
     FakeDevice fake;
     fake.make_parameters(10);
@@ -148,7 +148,7 @@ TEST(Host, waiting_in_our_own_queue_is_no_waiting_for_an_answer) {
     EXPECT_LE(*device.round_trip().smoothed(), 10ms);
 }
 
-TEST(Host, a_firmware_of_256_kib_at_500000_baud_takes_at_most_1_15_times_what_bytes_and_answers_need) {
+TEST(Host, a_firmware_of_256_kib_at_500000_baud_takes_at_most_1_15_times_the_wire_time) {
     FakeDevice fake;
     support::FakeLoader loader;
     fake.instead = [&](ano::FrameView frame) { return loader.take(fake, frame); };
@@ -169,7 +169,7 @@ TEST(Host, a_firmware_of_256_kib_at_500000_baud_takes_at_most_1_15_times_what_by
     EXPECT_LE(ratio(took, wire), 1.15);
 }
 
-TEST(Host, over_any_line_it_comes_whole_or_says_what_not) {
+TEST(Host, reads_all_parameters_over_any_line_or_reports_the_missing_ones) {
     using namespace std::chrono_literals;
     for (std::uint64_t seed = 1; seed <= support::trials(300); ++seed) {
         support::Random random{seed};
@@ -231,7 +231,7 @@ TEST(Host, random_frames_at_random_times_never_hang_a_task) {
 }
 
 // For any faults of the line: values of a successful apply are stored, and those of a failed one are as before.
-TEST(Host, an_apply_with_rollback_leaves_all_or_nothing_or_says_what_not) {
+TEST(Host, an_apply_with_rollback_stores_all_or_nothing_or_reports_the_difference) {
     using namespace std::chrono_literals;
     for (std::uint64_t seed = 1; seed <= support::trials(200); ++seed) {
         support::Random random{seed};

@@ -426,7 +426,7 @@ struct Trial {
     std::map<std::tuple<ChannelId, std::uint8_t, TrafficClass, bool>, std::uint64_t> last_out;
 };
 
-TEST(Outbox, does_as_the_simple_one_does) {
+TEST(Outbox, behaves_like_the_simple_reference_implementation) {
     const Outbox::Options options[] = {
         {.bytes = 28, .max_data = 20}, {.bytes = 100, .max_data = 60}, {.bytes = 5000, .max_data = 200}};
     std::uint64_t causes = 0;

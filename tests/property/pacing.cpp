@@ -115,7 +115,7 @@ struct Line {
     std::size_t writes = 0;
 };
 
-TEST(Pacing, overloaded_line_is_full_fresh_and_lets_urgent_frames_pass) {
+TEST(Pacing, an_overloaded_line_is_fully_used_with_fresh_telemetry_and_short_urgent_delay) {
     for (const unsigned kinds : {1u, 6u, 15u, 24u}) {
         SCOPED_TRACE(testing::Message() << kinds << " kinds");
         Line line{kinds};
@@ -141,7 +141,7 @@ TEST(Pacing, light_traffic_does_not_wait) {
 }
 
 // A machine that slept, a clock that was set: nothing stalls, the line is never overrun, every dropped frame has its cause.
-TEST(Pacing, a_clock_that_jumps_stops_nothing_and_loses_nothing_uncounted) {
+TEST(Pacing, a_clock_jump_stops_no_frame_and_every_dropped_frame_is_counted) {
     support::Random random{5};
     Outbox outbox{{}};
     outbox.open();

@@ -119,7 +119,7 @@ Bytes flood(std::size_t max_data) {
 
 class AnyInput : public testing::TestWithParam<std::size_t> {};    // max_data
 
-TEST_P(AnyInput, gives_the_frames_of_the_reference_and_its_counters) {
+TEST_P(AnyInput, returns_the_frames_and_counters_of_the_reference) {
     const std::size_t max_data = GetParam();
     for (std::uint64_t seed = 0; seed < support::trials(max_data > 1000 ? 60 : 300); ++seed) {
         Random random{seed};
@@ -188,7 +188,7 @@ TEST(FrameParser, finds_images_among_other_frames_as_the_reference_does) {
     EXPECT_GT(large, 40u);
 }
 
-TEST(FrameParser, finds_exactly_the_good_frames_among_noise_without_a_header_however_it_is_cut) {
+TEST(FrameParser, finds_exactly_the_valid_frames_in_noise_without_headers_however_it_is_split) {
     for (std::uint64_t seed = 0; seed < support::trials(200); ++seed) {
         Random random{seed};
         std::vector<Bytes> sent;
@@ -230,7 +230,7 @@ TEST(FrameParser, finds_in_a_mebibyte_of_random_bytes_only_what_the_reference_fi
 }
 
 // Candidates whose LEN is two HEADs are rejected many at a time; a valid frame may be anywhere among them.
-TEST(FrameParser, finds_a_good_frame_among_heads_as_the_reference_does) {
+TEST(FrameParser, finds_a_valid_frame_among_heads_as_the_reference_does) {
     constexpr std::size_t length_of_heads = 0xABAB;
     for (const std::size_t max_data : {std::size_t{4096}, length_of_heads - 1, length_of_heads, std::size_t{65535}})
         for (std::uint64_t seed = 0; seed < support::trials(12); ++seed) {
@@ -255,7 +255,7 @@ TEST(FrameParser, finds_a_good_frame_among_heads_as_the_reference_does) {
 // With one false header in 50 frames, or one damaged LEN, 99.5 % of the valid frames are at most 20 ms and two frames late.
 class FullLine : public testing::TestWithParam<std::tuple<std::uint32_t, support::Noise>> {};
 
-TEST_P(FullLine, brings_its_good_frames_in_time) {
+TEST_P(FullLine, delivers_its_valid_frames_in_time) {
     const auto [baud, noise] = GetParam();
     for (const std::size_t at_once : {16u, 62u}) {
         const support::Delays delays = support::delays_on(

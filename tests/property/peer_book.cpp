@@ -55,7 +55,7 @@ struct Model {
     }
 };
 
-TEST(PeerBook, knows_who_is_overdue_whatever_came_before) {
+TEST(PeerBook, lists_the_overdue_peers_after_any_input) {
     for (std::uint64_t seed = 0; seed < support::trials(60); ++seed) {
         support::Random random{seed};
         PeerBook book{{timeout}};
@@ -105,7 +105,7 @@ TEST(PeerBook, knows_who_is_overdue_whatever_came_before) {
     }
 }
 
-TEST(PeerBook, gives_away_no_place_that_is_somebodys_by_right) {
+TEST(PeerBook, removes_no_peer_that_is_entitled_to_its_connection_quota) {
     for (std::uint64_t seed = 0; seed < support::trials(60); ++seed) {
         support::Random random{seed};
         const std::size_t most = 1 + random.below(8u), max_of_address = 1 + random.below(4u);

@@ -81,7 +81,7 @@ Bytes question(support::Random& random, std::uint8_t from, std::uint8_t to) {
     }
 }
 
-TEST(PresentAs, every_answer_reaches_exactly_the_one_who_asked) {
+TEST(PresentAs, sends_every_answer_exactly_to_the_requester) {
     for (std::uint64_t seed = 1; seed <= support::trials(20); ++seed) {
         SCOPED_TRACE(testing::Message() << "seed " << seed);
         support::Random random{seed};

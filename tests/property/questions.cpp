@@ -125,7 +125,7 @@ public:
     bool tight = false;    // the outbox may be full
 };
 
-TEST(Questions, whatever_happens) {
+TEST(Questions, are_all_accounted_for_after_random_events) {
     for (std::uint64_t seed = 0; seed < support::trials(300); ++seed) {
         Random random{seed};
         Line line{{.bytes = 400, .age = 5s}};
@@ -157,7 +157,7 @@ TEST(Questions, whatever_happens) {
     }
 }
 
-TEST(Questions, all_are_asked_when_the_device_answers) {
+TEST(Questions, are_all_sent_if_the_device_answers) {
     Line line{{}};
     Random random{1};
     for (std::uint16_t n = 0; n < 300; ++n) line.push(question(n));
@@ -172,7 +172,7 @@ TEST(Questions, all_are_asked_when_the_device_answers) {
 }
 
 // Three channels flood, the fourth asks one question at a time.
-TEST(Questions, who_asks_little_is_served_in_turn_whoever_floods) {
+TEST(Questions, of_a_channel_with_few_requests_are_sent_in_turn_despite_a_flood) {
     for (std::uint64_t seed = 0; seed < support::trials(10); ++seed) {
         Random random{seed};
         Line line{{.bytes = 4096}};
@@ -204,7 +204,7 @@ TEST(Questions, who_asks_little_is_served_in_turn_whoever_floods) {
     }
 }
 
-TEST(Questions, who_has_most_waiting_gives_way_with_its_oldest) {
+TEST(Questions, of_the_channel_with_most_waiting_are_dropped_oldest_first) {
     Line line{{.bytes = 1000}};
     line.device.channels = 2;
     for (int n = 0; n < 8; ++n) line.ask(0, n);    // sent, not yet answered
@@ -225,7 +225,7 @@ TEST(Questions, who_has_most_waiting_gives_way_with_its_oldest) {
     line.expect_accounted();
 }
 
-TEST(Questions, large_ones_give_way_before_the_few_small_ones_of_another) {
+TEST(Questions, of_large_size_are_dropped_before_the_few_small_ones_of_another_channel) {
     Line line{{.bytes = 1000}};
     line.device.channels = 2;
     for (int n = 0; n < 8 + 10; ++n) line.ask(1, n);
@@ -241,7 +241,7 @@ TEST(Questions, large_ones_give_way_before_the_few_small_ones_of_another) {
     EXPECT_GT(line.device.left[0], 2);
 }
 
-TEST(Questions, the_ninth_leaves_half_a_second_later_when_nobody_answers) {
+TEST(Questions, after_the_eighth_are_sent_half_a_second_later_without_answers) {
     Line line{{}};
     for (std::uint16_t n = 0; n < 9; ++n) line.push(question(n));
     line.send(16);
@@ -255,7 +255,7 @@ TEST(Questions, the_ninth_leaves_half_a_second_later_when_nobody_answers) {
     EXPECT_EQ(line.device.last, 8);
 }
 
-TEST(Questions, commands_and_sticks_pass_those_that_wait) {
+TEST(Questions, are_overtaken_by_commands_and_sticks_while_they_wait) {
     Line line{{}};
     for (std::uint16_t n = 0; n < 20; ++n) line.push(question(n));
     line.send(16);
@@ -267,7 +267,7 @@ TEST(Questions, commands_and_sticks_pass_those_that_wait) {
     EXPECT_EQ(line.queue.waiting(), 12u);
 }
 
-TEST(Questions, age_counts_from_when_they_came) {
+TEST(Questions, age_from_the_time_of_arrival) {
     Line line{{.age = 5s}};
     for (std::uint16_t n = 0; n < 9; ++n) line.push(question(n));    // nothing is sent
     line.now += 4999ms;
@@ -280,7 +280,7 @@ TEST(Questions, age_counts_from_when_they_came) {
     EXPECT_EQ(line.queue.next_look(line.now), std::nullopt);
 }
 
-TEST(Questions, one_that_waited_is_no_younger_in_the_outbox) {
+TEST(Questions, keep_their_age_when_they_move_to_the_outbox) {
     Line line{{.age = 5s}};
     for (std::uint16_t n = 0; n < 9; ++n) line.push(question(n));
     line.send(16);
@@ -293,7 +293,7 @@ TEST(Questions, one_that_waited_is_no_younger_in_the_outbox) {
     EXPECT_EQ(line.queue.in_flight(), 0u);
 }
 
-TEST(Questions, are_gone_with_the_link_and_begin_afresh) {
+TEST(Questions, are_dropped_when_the_link_closes_and_new_ones_are_sent_after_it_opens) {
     Line line{{}};
     for (std::uint16_t n = 0; n < 12; ++n) line.push(question(n));
     line.send(3);

@@ -58,7 +58,7 @@ std::vector<KeptItem> as_read(const std::vector<KeptItem>& items) {
 
 class Recording : public testing::TestWithParam<anogate::RecordingFormat> {};
 
-TEST_P(Recording, recorded_and_read_and_recorded_again_is_the_same_bytes) {
+TEST_P(Recording, is_byte_identical_after_it_is_read_and_recorded_again) {
     for (std::uint64_t seed = 0; seed < support::trials(200); ++seed) {
         Random random{seed};
         std::vector<KeptItem> items;

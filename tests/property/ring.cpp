@@ -28,7 +28,7 @@ std::size_t fitting(const std::vector<Pushed>& all, std::size_t most) {
     return count;
 }
 
-TEST(RingProperty, holds_the_newest_that_fit_without_a_gap_and_nothing_that_is_too_old) {
+TEST(RingProperty, stores_the_newest_items_that_fit_without_a_gap_and_none_that_is_too_old) {
     for (std::uint64_t seed = 0; seed < 300; ++seed) {
         support::Random random{seed};
         const auto span = std::chrono::milliseconds{1 + random.below(2000)};
@@ -53,7 +53,7 @@ TEST(RingProperty, holds_the_newest_that_fit_without_a_gap_and_nothing_that_is_t
     }
 }
 
-TEST(RingProperty, forgets_only_what_it_must) {
+TEST(RingProperty, drops_only_as_many_items_as_necessary) {
     for (std::uint64_t seed = 0; seed < 100; ++seed) {
         support::Random random{seed};
         Ring<unsigned> ring{10s, 1000};
@@ -72,7 +72,7 @@ TEST(RingProperty, forgets_only_what_it_must) {
     }
 }
 
-TEST(RingProperty, forgets_as_time_goes_by_without_anything_new) {
+TEST(RingProperty, drops_old_items_as_time_passes_without_new_ones) {
     Ring<int> ring{100ms, 1000};
     const ano::TimePoint begin{};
     ring.push(1, 10, begin);

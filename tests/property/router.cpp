@@ -236,7 +236,7 @@ struct Trial {
     TimePoint now{};
 };
 
-TEST(Router, decides_as_the_rules_say) {
+TEST(Router, routes_every_frame_as_the_rules_require) {
     for (std::uint64_t seed = 1; seed <= support::trials(150) && !testing::Test::HasFailure(); ++seed) {
         SCOPED_TRACE(testing::Message() << "seed " << seed);
         Trial trial{seed};
@@ -250,7 +250,7 @@ TEST(Router, decides_as_the_rules_say) {
 
 // An address has one home: its first channel, unless that was silent for three questions, or lost its link and was not heard
 // since.
-TEST(Router, moves_an_address_after_silence_alone) {
+TEST(Router, moves_an_address_only_after_silence) {
     for (std::uint64_t seed = 1; seed <= support::trials(60) && !testing::Test::HasFailure(); ++seed) {
         SCOPED_TRACE(testing::Message() << "seed " << seed);
         support::Random random{seed};

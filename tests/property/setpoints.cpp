@@ -115,7 +115,7 @@ Duration median(std::vector<Duration> ages) {
     return ages.at(ages.size() / 2);
 }
 
-TEST(Setpoints, in_a_flexible_message_arrive_young_over_9600_baud_beside_a_flood) {
+TEST(Setpoints, in_a_flexible_message_arrive_fresh_over_9600_baud_despite_a_flood) {
     SlowLine line{960, {}, 1};
     run(line, policy_of(ClassSettings{setpoint_id, FrameClass::control, true, 200ms}));
     EXPECT_LT(median(line.ages), 60ms);
@@ -157,7 +157,7 @@ TEST(Setpoints, do_not_wait_for_the_zero_bytes_of_a_flush) {
     EXPECT_TRUE(line.is_balanced());
 }
 
-TEST(Setpoints, with_a_gap_each_frame_is_a_write_of_its_own_and_the_line_rests_behind_it) {
+TEST(Setpoints, with_a_gap_are_written_one_frame_at_a_time_with_a_pause_after_each) {
     for (const std::uint32_t rate : {960u, 11'520u, 50'000u}) {
         SlowLine line{rate, 15ms, rate};
         run(line, policy_of(ClassSettings{setpoint_id, FrameClass::control}));

@@ -21,7 +21,7 @@ Bytes random_frame(Random& random, std::size_t most) {
     return support::frame(random.byte(), random.byte(), id, data);
 }
 
-TEST(Tunnel, what_is_wrapped_comes_out_as_it_was_in_pieces_that_fit) {
+TEST(Tunnel, wraps_frames_into_parts_that_fit_and_unwraps_them_unchanged) {
     for (std::uint64_t seed = 0; seed < support::trials(3000); ++seed) {
         Random random{seed};
         TunnelSettings settings;
@@ -57,7 +57,7 @@ TEST(Tunnel, what_is_wrapped_comes_out_as_it_was_in_pieces_that_fit) {
     }
 }
 
-TEST(Tunnel, is_never_unwrapped_twice) {
+TEST(Tunnel, never_unwraps_a_frame_twice) {
     for (std::uint64_t seed = 0; seed < support::trials(2000); ++seed) {
         Random random{seed};
         Bytes inner = random_frame(random, 20), outer = inner;
@@ -76,7 +76,7 @@ TEST(Tunnel, is_never_unwrapped_twice) {
     }
 }
 
-TEST(UnwrapCorpus, holds_the_laws) {
+TEST(UnwrapCorpus, keeps_all_invariants) {
     std::size_t seeds = 0;
     for (const auto& entry : std::filesystem::directory_iterator{support::source_file("tests/fuzz/corpus/unwrap")}) {
         const std::string text = support::text_of(entry.path());

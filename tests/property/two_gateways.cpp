@@ -188,7 +188,7 @@ void for_all_delays(Test test) {
 
 // At most three times until the loop is known, however slow the path is: a copy may be from another board that sends the same
 // bytes.
-TEST(TwoGateways, every_broadcast_arrives_and_soon_once_and_nothing_goes_round) {
+TEST(TwoGateways, every_broadcast_arrives_soon_only_once_and_nothing_circulates) {
     for_all_delays([](const Duration(&&delay)[2][2]) {
         for (const bool grouped : {false, true}) {
             World world{static_cast<std::uint8_t>(grouped)};
@@ -227,7 +227,7 @@ TEST(TwoGateways, a_broadcast_that_repeats_still_arrives) {
 }
 
 // Ground stations on both sides send the same broadcast question for device information once a second.
-TEST(TwoGateways, a_question_goes_round_at_most_once) {
+TEST(TwoGateways, a_request_circulates_at_most_once) {
     for_all_delays([](const Duration(&&delay)[2][2]) {
         World world{0};
         std::copy_n(&delay[0][0], 4, &world.delay[0][0]);
@@ -243,7 +243,7 @@ TEST(TwoGateways, a_question_goes_round_at_most_once) {
 }
 
 // With a ground station on both sides, each gateway may have learned the other's on a different link.
-TEST(TwoGateways, what_is_for_hosts_on_both_sides_does_not_go_round) {
+TEST(TwoGateways, frames_for_hosts_on_both_sides_do_not_circulate) {
     for_all_delays([](const Duration(&&delay)[2][2]) {
         for (const std::uint8_t id : {std::uint8_t{0x03}, std::uint8_t{0xE0}}) {
             World world{0};
@@ -301,7 +301,7 @@ World ring_of(unsigned count, support::Random& random, Duration slowest, bool pr
 }
 
 // No frame was sent before. The probe returns before the frame has passed the ring a second time.
-TEST(Ring, a_command_passes_three_times_at_most_and_once_when_the_ring_is_known) {
+TEST(Ring, passes_a_command_at_most_three_times_and_once_when_the_ring_is_known) {
     support::Random random{1};
     for (std::uint64_t i = 0; i < support::trials(100); ++i) {
         const unsigned count = 1 + random.below(3u);
@@ -323,7 +323,7 @@ TEST(Ring, a_command_passes_three_times_at_most_and_once_when_the_ring_is_known)
 
 // A cable at one end, on which no probe is sent. The probe sent at the other end returns before the frame if its path is no
 // slower.
-TEST(Ring, of_a_cable_and_the_vendors_bridge_lets_a_command_pass_three_times) {
+TEST(Ring, of_a_cable_and_the_vendors_bridge_passes_a_command_at_most_three_times) {
     support::Random random{5};
     for (std::uint64_t i = 0; i < support::trials(20); ++i) {
         SCOPED_TRACE(i);
@@ -367,7 +367,7 @@ TEST(Ring, that_returns_no_probe_is_cut) {
 }
 
 // For any delay and any composition of the ring: every command arrives, and it stops looping if the probe returns.
-TEST(Ring, ends_when_its_probe_comes_back) {
+TEST(Ring, is_detected_when_its_probe_returns) {
     support::Random random{2};
     for (std::uint64_t i = 0; i < support::trials(40); ++i) {
         const unsigned count = 1 + random.below(3u);
@@ -389,7 +389,7 @@ TEST(Ring, ends_when_its_probe_comes_back) {
 
 // The frame enters through the ring itself: the first is from a sender; later ones may be repeats of a sender until the loop is
 // known.
-TEST(Ring, that_a_frame_entered_elsewhere_ends) {
+TEST(Ring, stops_a_frame_that_entered_through_a_link_of_the_ring) {
     for (const int tokens : {1, 2, 5})
         for (const Duration way : {0ms, 20ms, 400ms}) {
             World world{1, 2};
@@ -403,7 +403,7 @@ TEST(Ring, that_a_frame_entered_elsewhere_ends) {
 }
 
 // On links without probes, looping telemetry is cut within two seconds.
-TEST(Ring, of_cables_is_found_by_the_copies_of_telemetry) {
+TEST(Ring, of_cables_is_detected_by_copies_of_telemetry) {
     support::Random random{10};
     for (std::uint64_t i = 0; i < support::trials(30); ++i) {
         const unsigned count = 1 + random.below(2u);
@@ -422,7 +422,7 @@ TEST(Ring, of_cables_is_found_by_the_copies_of_telemetry) {
 }
 
 // Two boards with one address and the same bytes, on links without probes, each at any rate.
-TEST(Devices, that_send_the_same_lose_nothing) {
+TEST(Devices, that_send_equal_frames_on_links_without_probes_lose_none) {
     support::Random random{8};
     for (std::uint64_t i = 0; i < support::trials(30); ++i) {
         SCOPED_TRACE(i);
@@ -441,7 +441,7 @@ TEST(Devices, that_send_the_same_lose_nothing) {
 }
 
 // The same on links with probes, at equal rates.
-TEST(Devices, that_send_the_same_at_one_rate_lose_nothing_from_the_first) {
+TEST(Devices, that_send_equal_frames_at_one_rate_lose_none_from_the_first_on) {
     support::Random random{9};
     for (std::uint64_t i = 0; i < support::trials(30); ++i) {
         SCOPED_TRACE(i);
@@ -460,7 +460,7 @@ TEST(Devices, that_send_the_same_at_one_rate_lose_nothing_from_the_first) {
 }
 
 // Each at its own rate, in any order of appearance, and also if the link of one is opened later.
-TEST(Devices, that_send_the_same_at_any_rates_lose_nothing_from_the_first) {
+TEST(Devices, that_send_equal_frames_at_any_rates_lose_none_from_the_first_on) {
     support::Random random{11};
     for (std::uint64_t i = 0; i < support::trials(60); ++i) {
         SCOPED_TRACE(i);
@@ -486,7 +486,7 @@ TEST(Devices, that_send_the_same_at_any_rates_lose_nothing_from_the_first) {
 }
 
 // The ring is closed after a while, by existing or new links, while a device sends.
-TEST(Ring, that_is_closed_later_never_storms) {
+TEST(Ring, that_is_closed_later_never_causes_a_storm) {
     support::Random random{12};
     for (std::uint64_t i = 0; i < support::trials(40); ++i) {
         const unsigned count = 1 + random.below(2u);

@@ -97,7 +97,7 @@ Bytes all_said(std::uint64_t seed, std::uint64_t steps) {
     return said;
 }
 
-TEST(World, says_the_same_bytes_for_a_seed_whatever_the_steps_of_time) {
+TEST(World, sends_the_same_bytes_for_a_seed_whatever_the_time_steps) {
     for (std::uint64_t seed = 0; seed < 25; ++seed) {
         const Bytes said = all_said(seed, 1);
         ASSERT_GT(said.size(), 300u);
@@ -117,7 +117,7 @@ TEST(World, differs_by_seed) {
     EXPECT_NE(bytes_of(7), bytes_of(8));
 }
 
-TEST(World, says_whole_frames_of_its_own_at_times_that_go_on) {
+TEST(World, sends_complete_frames_from_its_id_at_increasing_times) {
     for (std::uint64_t seed = 0; seed < 20; ++seed) {
         Random random{seed};
         const auto device = any_device(random);
@@ -159,7 +159,7 @@ TEST(World, answers_every_frame_at_most_once) {
 
 // Two worlds that receive all frames of each other, whatever their destination: except for telemetry, no frame starts an
 // exchange.
-TEST(World, makes_no_storm_of_two) {
+TEST(World, causes_no_storm_with_a_second_one) {
     for (std::uint64_t seed = 0; seed < 15; ++seed) {
         Random random{seed};
         const auto a = any_device(random);

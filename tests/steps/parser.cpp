@@ -79,7 +79,7 @@ TEST_P(AnyRead, of_any_short_pattern_costs_linear_time) {
     RecordProperty("most", std::to_string(most));
 }
 
-TEST_P(AnyRead, of_what_two_frames_in_a_row_are_looked_for_in_costs_linear_time) {
+TEST_P(AnyRead, of_input_crafted_for_the_search_of_two_frames_in_a_row_costs_linear_time) {
     double most = 0;
     for (const auto& crafted : support::crafted_for_pairs()) {
         const double needed = share(support::input_of(crafted.piece, input_size), crafted.max_data, GetParam());

@@ -19,7 +19,7 @@ sigset_t blocked_here() {
     return mask;
 }
 
-TEST(BeginThread, blocks_every_signal_in_the_thread_before_it_runs_and_none_where_it_was_begun) {
+TEST(BeginThread, blocks_every_signal_in_the_new_thread_before_it_runs_and_none_in_the_calling_thread) {
     sigset_t before = blocked_here();
     sigset_t inside;
     sigemptyset(&inside);

@@ -52,7 +52,7 @@ TEST_F(ControlSocket, answers_with_the_status_as_json) {
     EXPECT_TRUE(nlohmann::json::accept(body_of(answer)));
 }
 
-TEST_F(ControlSocket, one_connection_may_ask_many_times) {
+TEST_F(ControlSocket, one_connection_can_send_many_requests) {
     const int fd = connect_unix(socket);
     ASSERT_GE(fd, 0);
     std::string requests;
@@ -76,21 +76,21 @@ TEST_F(ControlSocket, a_head_request_is_answered_like_a_get_without_the_body) {
     EXPECT_NE(answers.find("\r\n\r\nHTTP/1.0 404"), std::string::npos) << answers;
 }
 
-TEST_F(ControlSocket, other_paths_and_methods_are_told_what_is_wrong) {
+TEST_F(ControlSocket, unknown_paths_and_methods_are_answered_with_the_right_error) {
     EXPECT_EQ(http(socket, "GET /nothing HTTP/1.0\r\n\r\n").substr(9, 3), "404");
     const std::string posted = http(socket, "POST /status HTTP/1.0\r\nContent-Length: 2\r\n\r\n{}");
     EXPECT_EQ(posted.substr(9, 3), "405");
     EXPECT_NE(posted.find("Allow: GET"), std::string::npos);
 }
 
-TEST_F(ControlSocket, who_misses_a_path_is_told_the_nearest) {
+TEST_F(ControlSocket, the_error_for_an_unknown_path_suggests_the_nearest) {
     EXPECT_EQ(body_of(http(socket, "GET /staus HTTP/1.0\r\n\r\n")),
               "{\"error\": \"this path does not exist (did you mean '/status'?)\", \"what\": \"unknown\"}\n");
     EXPECT_EQ(body_of(http(socket, "GET /abcdefghijkl HTTP/1.0\r\n\r\n")),
               "{\"error\": \"this path does not exist; try /\", \"what\": \"unknown\"}\n");
 }
 
-TEST_F(ControlSocket, junk_is_told_in_words_and_disturbs_nobody) {
+TEST_F(ControlSocket, invalid_data_is_answered_with_an_error_and_does_not_disturb_forwarding) {
     a.send(daemon.port("ground"), vendor::who_are_you);
     b.send(daemon.port("ground"), vendor::who_are_you);
     const auto is_told = [&](const std::string& junk, const std::string& status) {
@@ -135,7 +135,7 @@ TEST_F(ControlSocket, slow_and_silent_clients_disturb_nobody) {
     ::close(greedy);
 }
 
-TEST_F(ControlSocket, many_connections_at_once_are_survived) {
+TEST_F(ControlSocket, survives_many_connections_at_once) {
     a.send(daemon.port("ground"), vendor::who_are_you);
     b.send(daemon.port("ground"), vendor::who_are_you);
     std::vector<int> fds;
@@ -147,7 +147,7 @@ TEST_F(ControlSocket, many_connections_at_once_are_survived) {
     EXPECT_TRUE(forwards());
 }
 
-TEST_F(ControlSocket, is_for_its_own_user_when_there_is_no_group) {
+TEST_F(ControlSocket, is_accessible_only_to_its_user_if_there_is_no_group) {
     if (::getgrnam("anogate")) GTEST_SKIP() << "this system has a group anogate";
     struct stat info {};
     ASSERT_EQ(::stat(socket.c_str(), &info), 0);
@@ -160,11 +160,11 @@ TEST_F(ControlSocket, is_for_its_own_user_when_there_is_no_group) {
     EXPECT_EQ(other.wait(), 0);
 }
 
-TEST_F(ControlSocket, says_nothing_of_others_in_a_folder_that_they_cannot_enter) {
+TEST_F(ControlSocket, logs_no_access_note_in_a_folder_closed_to_other_users) {
     EXPECT_EQ(daemon.output().find("accessible to this user only"), std::string::npos) << daemon.output();
 }
 
-TEST_F(ControlSocket, a_second_daemon_is_told_and_the_first_keeps_its_socket) {
+TEST_F(ControlSocket, a_second_daemon_reports_the_conflict_and_the_first_keeps_its_socket) {
     Daemon second{ANOGATED, socket, {"sim:fc"}};
     EXPECT_TRUE(second.until_says("another program is using it")) << second.output();
     second.signal(SIGTERM);
@@ -172,7 +172,7 @@ TEST_F(ControlSocket, a_second_daemon_is_told_and_the_first_keeps_its_socket) {
     EXPECT_EQ(daemon.link("ground").at("state"), "up") << "the socket is still that of the first";
 }
 
-TEST_F(ControlSocket, a_file_in_its_place_is_left_alone_and_told) {
+TEST_F(ControlSocket, an_existing_file_at_its_path_is_kept_and_reported) {
     const TempDir other;
     std::ofstream{other / "file"} << "precious";
     Daemon second{ANOGATED, other / "file", {"sim:fc"}};
@@ -180,7 +180,7 @@ TEST_F(ControlSocket, a_file_in_its_place_is_left_alone_and_told) {
     EXPECT_TRUE(std::filesystem::is_regular_file(other / "file"));
 }
 
-TEST_F(ControlSocket, is_gone_at_the_end_and_open_connections_do_not_hold_it_up) {
+TEST_F(ControlSocket, is_removed_at_the_end_without_waiting_for_open_connections) {
     const int idle = connect_unix(socket);
     const int half = connect_unix(socket);
     ASSERT_EQ(::write(half, "GET /st", 7), 7);
@@ -194,7 +194,7 @@ TEST_F(ControlSocket, is_gone_at_the_end_and_open_connections_do_not_hold_it_up)
     ::close(half);
 }
 
-TEST(ControlSocketAtStart, one_that_a_dead_process_left_is_replaced) {
+TEST(ControlSocketAtStart, replaces_the_socket_of_a_killed_process) {
     const TempDir dir;
     const std::string socket = dir / "control.sock";
     {
@@ -208,7 +208,7 @@ TEST(ControlSocketAtStart, one_that_a_dead_process_left_is_replaced) {
     EXPECT_TRUE(next.until_answers()) << next.output();
 }
 
-TEST(ControlSocketAtStart, one_that_is_named_and_cannot_be_is_an_error) {
+TEST(ControlSocketAtStart, fails_if_the_configured_path_cannot_be_used) {
     const TempDir dir;
     std::ofstream{dir / "file"} << "precious";
     for (const auto& [path, words] :
@@ -224,7 +224,7 @@ TEST(ControlSocketAtStart, one_that_is_named_and_cannot_be_is_an_error) {
     EXPECT_FALSE(std::filesystem::exists(dir / "rnu")) << "what was mistyped is not made";
 }
 
-TEST(ControlSocketAtStart, one_that_nobody_named_and_that_cannot_be_is_done_without) {
+TEST(ControlSocketAtStart, is_not_required_if_the_default_path_cannot_be_used) {
     if (::geteuid() == 0) GTEST_SKIP() << "root's is in /run/anogate";
     const TempDir dir;
     Process daemon{ANOGATED, {"sim:fc"}, {"XDG_RUNTIME_DIR=/proc/nonexistent"}};
@@ -233,14 +233,14 @@ TEST(ControlSocketAtStart, one_that_nobody_named_and_that_cannot_be_is_done_with
     EXPECT_EQ(daemon.wait(), 0);
 }
 
-TEST(ControlSocketAtStart, the_folder_of_its_own_is_made) {
+TEST(ControlSocketAtStart, creates_its_default_folder) {
     const TempDir dir;
     const std::string folder = "XDG_RUNTIME_DIR=" + dir.path().string();
     Daemon daemon{ANOGATED, dir / "anogate/control.sock", {"sim:fc"}, {folder}};
     EXPECT_TRUE(daemon.until_answers()) << daemon.output();
 }
 
-TEST(ControlSocketAtStart, one_that_is_in_use_is_waited_for) {
+TEST(ControlSocketAtStart, waits_for_a_socket_in_use) {
     const TempDir dir;
     const std::string socket = dir / "control.sock";
     Daemon first{ANOGATED, socket, {"sim:fc,name=first"}};
@@ -257,7 +257,7 @@ TEST(ControlSocketAtStart, one_that_is_in_use_is_waited_for) {
     EXPECT_FALSE(std::filesystem::exists(socket));
 }
 
-TEST(ControlSocketAtStart, one_after_another_has_it_however_the_one_before_ended) {
+TEST(ControlSocketAtStart, passes_from_one_daemon_to_the_next_however_the_previous_one_ended) {
     const TempDir dir;
     const std::string socket = dir / "control.sock";
     Daemon first{ANOGATED, socket, {"sim:fc"}};
@@ -279,7 +279,7 @@ TEST(ControlSocketAtStart, one_after_another_has_it_however_the_one_before_ended
     EXPECT_TRUE(last.until_answers()) << "what ended last took away its own socket alone";
 }
 
-TEST(ControlSocketAtStart, a_path_too_long_is_told_in_words) {
+TEST(ControlSocketAtStart, reports_a_path_that_is_too_long) {
     const TempDir dir;
     Daemon daemon{ANOGATED, dir / std::string(120, 'x'), {"sim:fc"}};
     EXPECT_EQ(daemon.wait(), 78);

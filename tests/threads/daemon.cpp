@@ -55,7 +55,7 @@ TEST(Daemon, joins_a_serial_port_and_udp) {
     EXPECT_LT(end.took, at_once);
 }
 
-TEST(Daemon, the_simulator_answers_a_question_over_udp) {
+TEST(Daemon, forwards_the_answer_of_the_simulator_to_a_request_over_udp) {
     const TempDir dir;
     Daemon daemon{ANOGATED, dir / "control", {"sim:fc", "udp-listen:127.0.0.1:0,name=ground"}};
     ASSERT_TRUE(daemon.until_up("ground"));
@@ -68,7 +68,7 @@ TEST(Daemon, the_simulator_answers_a_question_over_udp) {
     }));
 }
 
-TEST(Daemon, absent_devices_and_taken_ports_are_waited_for) {
+TEST(Daemon, waits_for_absent_devices_and_ports_in_use) {
     const TempDir dir;
     UdpPeer holder;
     Daemon daemon{
@@ -82,7 +82,7 @@ TEST(Daemon, absent_devices_and_taken_ports_are_waited_for) {
     EXPECT_NE(daemon.output().find("not found; waiting for it"), std::string::npos) << daemon.output();
 }
 
-TEST(Daemon, a_safety_switch_that_is_absent_says_what_that_means) {
+TEST(Daemon, logs_the_effect_of_an_absent_safety_switch) {
     const TempDir dir;
     std::ofstream{dir / "a.json"} << R"({"gpio": [{"chip": "no-such-chip", "line": 4, "use": "inhibit", "links": ["fc"]}]})";
     Daemon daemon{ANOGATED, dir / "control", {"--config", dir / "a.json", "sim:fc"}};
@@ -91,7 +91,7 @@ TEST(Daemon, a_safety_switch_that_is_absent_says_what_that_means) {
     EXPECT_EQ(terminate(daemon).status, 0);
 }
 
-TEST(Daemon, ends_at_once_under_load_and_with_a_reader_that_is_stuck) {
+TEST(Daemon, ends_quickly_under_load_and_with_a_stuck_reader) {
     const TempDir dir;
     PtyDevice stuck{dir / "stuck"};
     Daemon daemon{ANOGATED, dir / "control", {"serial:" + stuck.path(), "udp-listen:127.0.0.1:0,name=ground", "sim:fc,hz=100"}};
@@ -116,7 +116,7 @@ TEST(Daemon, ends_at_once_under_load_and_with_a_reader_that_is_stuck) {
     EXPECT_EQ(daemon.wait(), 0);
 }
 
-TEST(Daemon, a_second_signal_makes_an_end_at_once) {
+TEST(Daemon, ends_immediately_after_a_second_signal) {
     const TempDir dir;
     PtyDevice stuck{dir / "stuck"};
     Daemon daemon{ANOGATED, dir / "control", {"serial:" + stuck.path(), "udp-listen:127.0.0.1:0,name=ground"}};
@@ -133,7 +133,7 @@ TEST(Daemon, a_second_signal_makes_an_end_at_once) {
     EXPECT_EQ(daemon.wait(), 0);
 }
 
-TEST(Daemon, what_waits_reaches_a_reader_before_the_end) {
+TEST(Daemon, sends_waiting_frames_before_it_ends) {
     const TempDir dir;
     PtyDevice slow{dir / "slow"};
     Daemon daemon{ANOGATED, dir / "control", {"serial:" + slow.path(), "udp-listen:127.0.0.1:0,name=ground"}};
@@ -156,7 +156,7 @@ TEST(Daemon, what_waits_reaches_a_reader_before_the_end) {
     EXPECT_TRUE(split(slow.heard()).rest.empty());
 }
 
-TEST(Daemon, sigint_ends_it_too) {
+TEST(Daemon, ends_on_sigint_too) {
     const TempDir dir;
     Daemon daemon{ANOGATED, dir / "control", {"sim:fc", "serial:" + (dir / "absent")}};
     ASSERT_TRUE(daemon.until_answers());
@@ -165,7 +165,7 @@ TEST(Daemon, sigint_ends_it_too) {
     EXPECT_LT(end.took, at_once);
 }
 
-TEST(Daemon, sigusr1_logs_the_status_and_sighup_is_no_end) {
+TEST(Daemon, logs_the_status_on_sigusr1_and_does_not_end_on_sighup) {
     const TempDir dir;
     Daemon daemon{ANOGATED, dir / "control", {"serial:" + (dir / "ttyUSB0"), "sim:fc"}};
     ASSERT_TRUE(daemon.until_answers());
@@ -178,7 +178,7 @@ TEST(Daemon, sigusr1_logs_the_status_and_sighup_is_no_end) {
     EXPECT_EQ(terminate(daemon).status, 0);
 }
 
-TEST(Daemon, says_in_the_log_what_the_hints_say) {
+TEST(Daemon, logs_the_hints) {
     const TempDir dir;
     PtyDevice fc{dir / "fc"};
     Daemon daemon{ANOGATED, dir / "control", {"serial:" + fc.path()}};
@@ -196,7 +196,7 @@ std::string line_with(const std::string& words, const std::string& output) {
     return output.substr(begin, output.find('\n', at) - begin);
 }
 
-TEST(Daemon, says_first_what_it_is_and_last_what_it_did) {
+TEST(Daemon, logs_its_version_and_configuration_first_and_a_summary_last) {
     const TempDir dir;
     std::ofstream{dir / "a.json"} << R"({"links": ["sim:fc"]})";
     Daemon daemon{ANOGATED, dir / "control", {"--config", dir / "a.json", "udp-listen:127.0.0.1:0,name=ground"}};
@@ -217,7 +217,7 @@ TEST(Daemon, says_first_what_it_is_and_last_what_it_did) {
         << said;
 }
 
-TEST(Daemon, gives_the_journal_priorities_and_no_times) {
+TEST(Daemon, logs_to_the_journal_with_priorities_and_without_times) {
     const TempDir dir;
     const std::string as_journal = "JOURNAL_STREAM=$(stat -L -c %d:%i /proc/self/fd/2) exec \"$0\" \"$@\"";
     Process daemon{"/bin/sh", {"-c", as_journal, ANOGATED, "--control", dir / "control", "sim:fc", "serial:" + (dir / "absent")}};
@@ -236,7 +236,7 @@ TEST(Daemon, gives_the_journal_priorities_and_no_times) {
     EXPECT_TRUE(faulty.output().starts_with("<3>anogated: ")) << faulty.output();
 }
 
-TEST(Daemon, what_it_says_elsewhere_than_to_the_journal_has_times) {
+TEST(Daemon, logs_with_times_if_not_to_the_journal) {
     const TempDir dir;
     Daemon daemon{
         ANOGATED, dir / "control", {"sim:fc"}, {"JOURNAL_STREAM=1:2", "INVOCATION_ID=0123"}};    // as a desktop leaves them
@@ -246,7 +246,7 @@ TEST(Daemon, what_it_says_elsewhere_than_to_the_journal_has_times) {
 }
 
 // Root on a machine with nothing installed: there is no problem, so there is no warning.
-TEST(Daemon, a_first_run_by_root_warns_of_nothing) {
+TEST(Daemon, a_first_run_by_root_logs_no_warning) {
     const TempDir dir;
     std::filesystem::permissions(dir.path(), std::filesystem::perms{0755});    // like /run/anogate
     Daemon daemon{ANOGATED, dir / "control", {"sim:fc", "udp-listen:127.0.0.1:0,name=ground"}};
@@ -256,7 +256,7 @@ TEST(Daemon, a_first_run_by_root_warns_of_nothing) {
     EXPECT_EQ(line_with(" error ", daemon.output()), "");
 }
 
-TEST(Daemon, tells_systemd_when_it_is_ready_and_when_it_stops) {
+TEST(Daemon, notifies_systemd_when_it_is_ready_and_when_it_stops) {
     const TempDir dir;
     const std::string path = dir / "notify";
     const int fd = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
@@ -284,7 +284,7 @@ TEST(Daemon, tells_systemd_when_it_is_ready_and_when_it_stops) {
     ::close(fd);
 }
 
-TEST(Daemon, says_in_one_line_why_it_cannot_run_at_all) {
+TEST(Daemon, reports_in_one_line_why_it_cannot_start) {
     if (sanitized) GTEST_SKIP() << "a sanitizer needs descriptors of its own";
     Process daemon{"/bin/sh", {"-c", "ulimit -n 5; exec \"$0\" --control none sim:fc", ANOGATED}};
     EXPECT_EQ(daemon.wait(), 1) << daemon.output();
@@ -292,7 +292,7 @@ TEST(Daemon, says_in_one_line_why_it_cannot_run_at_all) {
     EXPECT_NE(daemon.output().find("Too many open files"), std::string::npos) << daemon.output();
 }
 
-TEST(Daemon, strangers_without_number_are_told_in_few_lines) {
+TEST(Daemon, logs_many_unknown_senders_in_few_lines) {
     const TempDir dir;
     Daemon daemon{ANOGATED, dir / "control", {"udp-listen:127.0.0.1:0,name=ground,max_peers=1"}};
     ASSERT_TRUE(daemon.until_up("ground")) << daemon.output();
@@ -306,7 +306,7 @@ TEST(Daemon, strangers_without_number_are_told_in_few_lines) {
     EXPECT_NE(said.find(" more peers came or went"), std::string::npos) << said;
 }
 
-TEST(Daemon, a_socket_of_another_kind_in_the_way_is_left_alone) {
+TEST(Daemon, keeps_an_existing_socket_of_another_type_at_the_control_path) {
     const TempDir dir;
     const std::string path = dir / "notify";
     const int fd = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
@@ -323,20 +323,20 @@ TEST(Daemon, a_socket_of_another_kind_in_the_way_is_left_alone) {
     ::close(fd);
 }
 
-TEST(Daemon, a_configuration_that_is_not_written_whole_is_no_success) {
+TEST(Daemon, fails_if_the_printed_configuration_cannot_be_written_completely) {
     Process daemon{"/bin/sh", {"-c", "exec \"$0\" --print-config sim:fc > /dev/full", ANOGATED}};
     EXPECT_EQ(daemon.wait(), 1) << daemon.output();
     EXPECT_TRUE(daemon.output().starts_with("anogated: ")) << daemon.output();
 }
 
-TEST(Daemon, help_that_is_not_written_is_no_success) {
+TEST(Daemon, fails_if_the_help_cannot_be_written) {
     for (const char* option : {"--help", "--version"}) {
         Process daemon{"/bin/sh", {"-c", "exec \"$0\" \"$@\" > /dev/full", ANOGATED, option}};
         EXPECT_EQ(daemon.wait(), 1) << option << daemon.output();
     }
 }
 
-TEST(Daemon, standard_files_that_are_closed_are_nobody_elses) {
+TEST(Daemon, replaces_closed_standard_files_with_dev_null) {
     const TempDir dir;
     const std::string script = dir / "closed";
     std::ofstream{script} << "#!/bin/sh\nexec " ANOGATED " \"$@\" <&- >&- 2>&-\n";
@@ -348,7 +348,7 @@ TEST(Daemon, standard_files_that_are_closed_are_nobody_elses) {
     EXPECT_EQ(terminate(daemon).status, 0);
 }
 
-TEST(Daemon, a_pipe_that_nobody_reads_is_no_log_file) {
+TEST(Daemon, rejects_a_pipe_as_a_log_file) {
     const TempDir dir;
     const std::string log = dir / "log";
     ASSERT_EQ(::mkfifo(log.c_str(), 0600), 0);
@@ -359,7 +359,7 @@ TEST(Daemon, a_pipe_that_nobody_reads_is_no_log_file) {
     EXPECT_EQ(terminate(daemon).status, 0);
 }
 
-TEST(Daemon, the_folder_of_a_log_file_that_was_mistyped_is_not_made) {
+TEST(Daemon, does_not_create_the_mistyped_folder_of_a_log_file) {
     const TempDir dir;
     std::ofstream{dir / "config.json"} << R"({"links": ["sim:fc"], "log": {"file": ")" << (dir / "lgo/file") << R"("}})";
     Daemon daemon{ANOGATED, dir / "control", {"--config", dir / "config.json"}};
@@ -370,7 +370,7 @@ TEST(Daemon, the_folder_of_a_log_file_that_was_mistyped_is_not_made) {
 }
 
 // Takes the ten seconds that the interface guarantees.
-TEST(Daemon, a_required_link_that_is_missing_ends_it_with_1_after_ten_seconds) {
+TEST(Daemon, exits_with_1_after_ten_seconds_if_a_required_link_is_missing) {
     const TempDir dir;
     const auto begin = std::chrono::steady_clock::now();
     Daemon daemon{ANOGATED, dir / "control", {"serial:" + (dir / "ttyUSB0") + ",required", "sim:fc,required"}};
@@ -379,7 +379,7 @@ TEST(Daemon, a_required_link_that_is_missing_ends_it_with_1_after_ten_seconds) {
     EXPECT_NE(daemon.output().find("required link ttyUSB0 was not up"), std::string::npos) << daemon.output();
 }
 
-TEST(Daemon, faults_of_the_configuration_are_told_one_a_line_and_exit_78) {
+TEST(Daemon, reports_configuration_errors_one_per_line_and_exits_with_78) {
     const TempDir dir;
     const auto run = [&](std::vector<std::string> arguments, const std::string& words) {
         Process daemon{ANOGATED, std::move(arguments)};
@@ -404,7 +404,7 @@ TEST(Daemon, faults_of_the_configuration_are_told_one_a_line_and_exit_78) {
     run({"--config", dir / "bad.json", "--config", dir / "other.json"}, "--config: was given 2 times");
 }
 
-TEST(Daemon, its_printed_configuration_is_accepted_and_means_the_same) {
+TEST(Daemon, accepts_its_printed_configuration_with_the_same_meaning) {
     const TempDir dir;
     const auto printed = [&](std::vector<std::string> arguments) {
         arguments.insert(arguments.begin(), "--print-config");
@@ -455,7 +455,7 @@ TEST(Daemon, stays_below_14_megabytes) {
     EXPECT_LT(daemon.proc_status("VmHWM"), 14 * 1024);
 }
 
-TEST(Daemon, a_peer_that_is_gone_ends_nothing) {
+TEST(Daemon, continues_after_a_peer_is_lost) {
     const TempDir dir;
     PtyDevice fc{dir / "fc"};
     auto peer = std::make_unique<UdpPeer>();

@@ -41,7 +41,7 @@ private:
     std::array<int, 2> pipe_{};
 };
 
-TEST(DiskWorks, are_all_done_though_more_wait_than_there_are_threads) {
+TEST(DiskWorks, are_all_done_even_if_there_are_more_than_threads) {
     Loop loop;
     DiskWorks disk{loop.io};
     int done = 0;
@@ -54,7 +54,7 @@ TEST(DiskWorks, are_all_done_though_more_wait_than_there_are_threads) {
     EXPECT_TRUE(loop.until([&] { return done == 51; }));
 }
 
-TEST(DiskWorks, that_hang_hold_up_only_what_finds_no_thread) {
+TEST(DiskWorks, that_hang_delay_others_only_if_no_thread_is_free) {
     Loop loop;
     HangingDisk hanging;
     DiskWorks disk{loop.io};
@@ -68,7 +68,7 @@ TEST(DiskWorks, that_hang_hold_up_only_what_finds_no_thread) {
     EXPECT_TRUE(loop.until([&] { return hung == 3; }));
 }
 
-TEST(DiskWorks, that_nobody_waits_for_any_more_are_not_told_or_not_even_begun) {
+TEST(DiskWorks, that_were_cancelled_are_not_reported_and_not_started) {
     Loop loop;
     HangingDisk hanging;
     DiskWorks disk{loop.io};
@@ -87,7 +87,7 @@ TEST(DiskWorks, that_nobody_waits_for_any_more_are_not_told_or_not_even_begun) {
     EXPECT_FALSE(told);
 }
 
-TEST(DiskWorks, are_left_behind_at_the_end) {
+TEST(DiskWorks, are_abandoned_at_the_end) {
     Loop loop;
     auto hanging = std::make_unique<HangingDisk>();
     bool told = false;

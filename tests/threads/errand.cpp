@@ -19,7 +19,7 @@ namespace {
 using anogate::Errand;
 using support::Loop;
 
-TEST(Errand, is_done_in_another_thread_and_taken_up_in_this_one) {
+TEST(Errand, runs_in_another_thread_and_reports_its_end_in_the_calling_one) {
     Loop loop;
     Errand errand{loop.io};
     const auto made = std::make_shared<std::thread::id>();
@@ -38,7 +38,7 @@ TEST(Errand, is_done_in_another_thread_and_taken_up_in_this_one) {
     }
 }
 
-TEST(Errand, is_not_what_a_signal_for_the_program_comes_to) {
+TEST(Errand, does_not_receive_signals_of_the_program) {
     Loop loop;
     Errand errand{loop.io};
     const auto its_mask = std::make_shared<sigset_t>();
@@ -50,7 +50,7 @@ TEST(Errand, is_not_what_a_signal_for_the_program_comes_to) {
         EXPECT_EQ(::sigismember(its_mask.get(), signal), 1) << signal;
 }
 
-TEST(Errand, may_send_the_next_and_tells_what_was_thrown) {
+TEST(Errand, can_start_the_next_one_and_reports_exceptions) {
     Loop loop;
     Errand errand{loop.io};
     std::string said;
@@ -62,7 +62,7 @@ TEST(Errand, may_send_the_next_and_tells_what_was_thrown) {
     EXPECT_TRUE(loop.until([&] { return said == "no disk,done"; })) << said;
 }
 
-TEST(Errand, that_is_stopped_says_nothing_and_one_that_hangs_is_left) {
+TEST(Errand, that_is_stopped_reports_nothing_and_one_that_hangs_is_abandoned) {
     Loop loop;
     bool called = false;
     std::array<int, 2> pipe{};

@@ -39,7 +39,7 @@ protected:
     HalfDuplex line{loop.io, [this](bool sending) { turns.push_back(sending); }};
 };
 
-TEST_F(Transceiver, sends_from_before_the_write_until_all_is_out) {
+TEST_F(Transceiver, sends_from_before_the_write_until_all_bytes_are_sent) {
     open();
     EXPECT_TRUE(turns.empty());
     line.writing();
@@ -50,7 +50,7 @@ TEST_F(Transceiver, sends_from_before_the_write_until_all_is_out) {
     EXPECT_EQ(turns, (std::vector{true, false}));
 }
 
-TEST_F(Transceiver, is_not_turned_back_before_what_was_written_meanwhile) {
+TEST_F(Transceiver, keeps_sending_until_data_written_meanwhile_is_sent) {
     open();
     write();
     write();
@@ -61,7 +61,7 @@ TEST_F(Transceiver, is_not_turned_back_before_what_was_written_meanwhile) {
     EXPECT_EQ(turns, (std::vector{true, false}));
 }
 
-TEST_F(Transceiver, turns_with_every_burst_however_they_meet) {
+TEST_F(Transceiver, turns_with_every_burst_whatever_the_timing) {
     open();
     for (int burst = 0; burst < 500; ++burst) {
         for (int n = 0; n <= burst % 3; ++n) write();
@@ -76,7 +76,7 @@ TEST_F(Transceiver, turns_with_every_burst_however_they_meet) {
     expect_turns_in_order();
 }
 
-TEST_F(Transceiver, listens_when_it_is_closed_at_any_moment_and_can_be_opened_again) {
+TEST_F(Transceiver, receives_after_it_is_closed_at_any_moment_and_can_be_opened_again) {
     for (int round = 0; round < 200; ++round) {
         open();
         if (round % 4 != 0) write();
@@ -90,7 +90,7 @@ TEST_F(Transceiver, listens_when_it_is_closed_at_any_moment_and_can_be_opened_ag
     EXPECT_EQ(turns.size(), 300u) << "each of three rounds in four turned it once";
 }
 
-TEST_F(Transceiver, that_was_closed_while_bytes_were_on_their_way_begins_anew) {
+TEST_F(Transceiver, that_was_closed_while_bytes_were_being_sent_starts_in_a_clean_state) {
     for (int round = 0; round < 50; ++round) {
         open();
         line.writing();

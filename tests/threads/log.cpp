@@ -124,7 +124,7 @@ std::string config_with_log(const TempDir& dir, const std::string& file) {
     return dir / "config.json";
 }
 
-TEST(BlockedLog, a_pipe_that_nobody_reads_holds_up_nothing) {
+TEST(BlockedLog, a_pipe_without_a_reader_delays_nothing) {
     if (thread_sanitized) GTEST_SKIP() << no_end_with_it;
     const TempDir dir;
     const FullPipe pipe{dir / "pipe"};
@@ -133,7 +133,7 @@ TEST(BlockedLog, a_pipe_that_nobody_reads_holds_up_nothing) {
     joined.ends();
 }
 
-TEST(BlockedLog, a_terminal_that_was_stopped_holds_up_nothing) {
+TEST(BlockedLog, a_stopped_terminal_delays_nothing) {
     const TempDir dir;
     StoppedTerminal terminal{dir / "terminal"};
     Joined joined{dir, terminal.path()};
@@ -144,7 +144,7 @@ TEST(BlockedLog, a_terminal_that_was_stopped_holds_up_nothing) {
     EXPECT_TRUE(terminal.until_says("stopping (SIGTERM)"));
 }
 
-TEST(BlockedLog, a_terminal_that_stays_stopped_holds_up_no_end) {
+TEST(BlockedLog, a_terminal_that_stays_stopped_does_not_delay_the_end_of_the_program) {
     if (thread_sanitized) GTEST_SKIP() << no_end_with_it;
     const TempDir dir;
     const StoppedTerminal terminal{dir / "terminal"};
@@ -154,7 +154,7 @@ TEST(BlockedLog, a_terminal_that_stays_stopped_holds_up_no_end) {
 }
 
 // A terminal instead of a file: it exists, and writing to it blocks like a disk that hangs.
-TEST(BlockedLog, a_file_that_takes_nothing_holds_up_nothing) {
+TEST(BlockedLog, a_file_that_accepts_no_data_delays_nothing) {
     if (thread_sanitized) GTEST_SKIP() << no_end_with_it;
     const TempDir dir;
     const StoppedTerminal file{dir / "file"};
@@ -164,7 +164,7 @@ TEST(BlockedLog, a_file_that_takes_nothing_holds_up_nothing) {
 }
 
 // Opening a file on which another process has a lease blocks until the lease is released.
-TEST(BlockedLog, a_file_that_cannot_be_opened_yet_holds_up_nothing) {
+TEST(BlockedLog, a_file_that_cannot_be_opened_yet_delays_nothing) {
     const TempDir dir;
     const std::string path = dir / "file";
     std::signal(SIGIO, SIG_IGN);
@@ -182,7 +182,7 @@ TEST(BlockedLog, a_file_that_cannot_be_opened_yet_holds_up_nothing) {
     ::close(lease);
 }
 
-TEST(BlockedLog, what_was_lost_is_told_once_it_is_read_again) {
+TEST(BlockedLog, dropped_lines_are_reported_when_the_log_is_read_again) {
     const TempDir dir;
     FullPipe pipe{dir / "pipe"};
     std::vector<std::string> many;

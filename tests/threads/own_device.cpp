@@ -113,7 +113,7 @@ protected:
     std::optional<Daemon> daemon;
 };
 
-TEST_F(OwnDevice, answers_a_host_that_knows_the_text_alone) {
+TEST_F(OwnDevice, answers_a_host_that_uses_only_the_published_protocol) {
     Host guest = by("guest");
     guest.say(hex("AB FE FF E0 03 00 00 00 00 8B 3B"));
     EXPECT_TRUE(guest.hears(hex("AB 15 FE E3 10 00 15 64 00 64 00 00 00 20 03 76 65 68 69 63 6C 65 91 5E")));
@@ -126,7 +126,7 @@ TEST_F(OwnDevice, answers_a_host_that_knows_the_text_alone) {
         EXPECT_TRUE(route.at("address") != "0x15" || route.at("via") == "own") << "its own word teaches nothing";
 }
 
-TEST_F(OwnDevice, is_changed_by_links_that_may_and_by_no_other) {
+TEST_F(OwnDevice, is_changed_only_through_links_with_manage) {
     Host guest = by("guest"), ground = by("ground");
     const Bytes write = act(0xE1, {1, 0, 0x88, 0x13, 0, 0}), reload = act(0xC0, {1, 0, 1}), restore = act(0xE0, {0x10, 0xAA, 0});
     for (const Bytes& one : {write, reload, restore}) guest.say(one);
@@ -144,7 +144,7 @@ TEST_F(OwnDevice, is_changed_by_links_that_may_and_by_no_other) {
     EXPECT_TRUE(daemon->until_says("gateway.forget_after: 30s -> 5s"));
 }
 
-TEST_F(OwnDevice, closes_other_links_but_not_that_of_the_writer) {
+TEST_F(OwnDevice, closes_other_links_but_not_the_link_of_the_request) {
     Host ground = by("ground");
     const Bytes own = act(0xE1, {3, 0, 0}), other = act(0xE1, {5, 0, 0}), open = act(0xE1, {5, 0, 1});
     ground.say(own);
@@ -163,7 +163,7 @@ TEST_F(OwnDevice, closes_other_links_but_not_that_of_the_writer) {
     EXPECT_TRUE(wait_until([&] { return guest.count(0xE3) == 1; }));
 }
 
-TEST_F(OwnDevice, restarts_a_link_once_for_all_who_ask_meanwhile_and_holds_nobody_up) {
+TEST_F(OwnDevice, restarts_a_link_once_for_many_simultaneous_requests_without_blocking) {
     Host ground = by("ground");
     constexpr std::uint8_t many = 200;
     Bytes last;
@@ -177,7 +177,7 @@ TEST_F(OwnDevice, restarts_a_link_once_for_all_who_ask_meanwhile_and_holds_nobod
     EXPECT_LT(restarts, many / 2);
 }
 
-TEST_F(OwnDevice, does_not_confirm_by_a_reload_what_somebody_else_has_to) {
+TEST_F(OwnDevice, does_not_confirm_a_pending_configuration_by_a_reload) {
     json config = usual();
     config["links"].push_back("udp-listen:127.0.0.1:0,name=third");
     dir.write("anogate.json", config.dump());
@@ -188,7 +188,7 @@ TEST_F(OwnDevice, does_not_confirm_by_a_reload_what_somebody_else_has_to) {
     EXPECT_EQ(daemon->status().at("gateway").at("config").at("state"), "unconfirmed");
 }
 
-TEST_F(OwnDevice, starts_with_a_pipe_in_the_place_of_what_was_saved) {
+TEST_F(OwnDevice, starts_if_the_file_of_saved_values_is_a_pipe) {
     daemon.reset();
     std::filesystem::create_directories(dir / "state");
     ASSERT_EQ(::mkfifo((dir / "state/parameters.json").c_str(), 0600), 0);
@@ -201,7 +201,7 @@ TEST_F(OwnDevice, starts_with_a_pipe_in_the_place_of_what_was_saved) {
     EXPECT_TRUE(ground.hears(acknowledges(save))) << "in its place";
 }
 
-TEST_F(OwnDevice, keeps_what_was_saved_until_the_file_says_something_else) {
+TEST_F(OwnDevice, keeps_saved_values_until_the_file_changes_them) {
     const Bytes write = act(0xE1, {1, 0, 0x88, 0x13, 0, 0}), save = act(0xE0, {0x10, 0xAB, 0});
     {
         Host ground = by("ground");
@@ -224,7 +224,7 @@ TEST_F(OwnDevice, keeps_what_was_saved_until_the_file_says_something_else) {
     EXPECT_TRUE(until_parameter("FORGET_AFTER", 30'000, "default"));
 }
 
-TEST_F(OwnDevice, keeps_no_longer_what_the_file_overrules_though_it_was_saved_a_moment_ago) {
+TEST_F(OwnDevice, removes_saved_values_that_the_file_overrides_even_if_just_saved) {
     const Bytes write = act(0xE1, {1, 0, 0x88, 0x13, 0, 0}), save = act(0xE0, {0x10, 0xAB, 0});
     Host ground = by("ground");
     ground.say(write);
@@ -238,7 +238,7 @@ TEST_F(OwnDevice, keeps_no_longer_what_the_file_overrules_though_it_was_saved_a_
     EXPECT_TRUE(wait_until([&] { return kept().find("forget_after") == std::string::npos; }));
 }
 
-TEST_F(OwnDevice, forgets_at_a_restart_what_was_not_saved) {
+TEST_F(OwnDevice, loses_unsaved_values_at_a_restart) {
     {
         Host ground = by("ground");
         const Bytes write = act(0xE1, {1, 0, 0x88, 0x13, 0, 0});
@@ -249,7 +249,7 @@ TEST_F(OwnDevice, forgets_at_a_restart_what_was_not_saved) {
     EXPECT_EQ(parameter("FORGET_AFTER").at("from"), "default");
 }
 
-TEST_F(OwnDevice, tells_hosts_what_becomes_of_links_and_sums_them_up) {
+TEST_F(OwnDevice, reports_link_changes_and_a_summary_to_hosts) {
     PtyDevice fc{dir / "fc"};
     json config = usual();
     config["links"].push_back("serial:" + fc.path() + ",name=fc");
@@ -275,7 +275,7 @@ TEST_F(OwnDevice, tells_hosts_what_becomes_of_links_and_sums_them_up) {
     EXPECT_TRUE(daemon->until_up("fc"));
 }
 
-TEST_F(OwnDevice, is_a_device_to_our_own_host_engine) {
+TEST_F(OwnDevice, works_as_a_device_with_the_built_in_host_engine) {
     const json listed = ask("GET", "/devices/21/parameters");
     ASSERT_EQ(listed.at("parameters").size(), 7u) << listed;
     const json written = ask("PUT", "/devices/vehicle/parameters/FORGET_AFTER", R"({"value": 500})");
@@ -291,7 +291,7 @@ TEST_F(OwnDevice, is_a_device_to_our_own_host_engine) {
     EXPECT_EQ(ask("GET", "/devices").at("devices")[0].at("name"), "vehicle");
 }
 
-TEST_F(OwnDevice, is_not_changed_by_the_control_interface_that_may_not) {
+TEST_F(OwnDevice, is_not_changed_through_the_control_interface_without_manage) {
     json config = usual();
     config["control"]["manage"] = false;
     ASSERT_TRUE(start(config));
@@ -312,7 +312,7 @@ TEST_F(OwnDevice, is_not_changed_by_the_control_interface_that_may_not) {
 }
 
 // A broadcast question is forwarded, each device answers it once, and no answer is treated as another question.
-TEST_F(OwnDevice, and_another_one_do_not_talk_for_ever) {
+TEST_F(OwnDevice, and_another_one_do_not_exchange_frames_endlessly) {
     TempDir there;
     json others = {{"gateway", {{"id", 22}}},
                    {"links", {"udp:127.0.0.1:" + std::to_string(daemon->port("ground")) + ",name=there,manage"}}};

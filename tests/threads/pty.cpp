@@ -36,7 +36,7 @@ public:
     ~WithoutInotify() { inotify_instances_left = true; }
 };
 
-TEST(PtyLink, a_program_at_the_path_and_a_peer_hear_each_other) {
+TEST(PtyLink, a_program_at_the_path_and_a_peer_exchange_frames) {
     const TempDir dir;
     RunningGateway daemon{pty("app", dir / "app"), udp_listen("ground")};
     EXPECT_EQ(daemon.link("app").at("state"), "waiting");
@@ -82,14 +82,14 @@ void close_and_open_again() {
     EXPECT_TRUE(daemon.counters_add_up());
 }
 
-TEST(PtyLink, its_user_closes_and_opens_again_and_hears_nothing_stale) { close_and_open_again(); }
+TEST(PtyLink, a_user_that_closes_and_reopens_receives_nothing_stale) { close_and_open_again(); }
 
-TEST(PtyLink, its_user_hears_nothing_stale_without_inotify) {
+TEST(PtyLink, a_user_that_closes_and_reopens_receives_nothing_stale_without_inotify) {
     const WithoutInotify without;
     close_and_open_again();
 }
 
-TEST(PtyLink, is_not_up_without_a_user_nor_without_inotify) {
+TEST(PtyLink, is_not_up_without_a_user_even_without_inotify) {
     const WithoutInotify without;
     const TempDir dir;
     RunningGateway daemon{pty("app", dir / "app"), udp_listen("ground")};
@@ -115,7 +115,7 @@ TEST(PtyLink, watches_again_when_there_is_inotify) {
     EXPECT_TRUE(daemon.until_up("app"));
 }
 
-TEST(PtyLink, what_its_user_wrote_before_closing_is_heard) {
+TEST(PtyLink, receives_data_that_its_user_wrote_before_closing) {
     const TempDir dir;
     RunningGateway daemon{pty("app", dir / "app")};
     {
@@ -171,7 +171,7 @@ TEST(PtyLink, a_user_who_does_not_read_does_not_hold_up_the_others) {
     EXPECT_LT(daemon.stop(), 1s);
 }
 
-TEST(PtyLink, the_path_is_made_with_its_folder_and_gone_at_the_end) {
+TEST(PtyLink, the_path_is_created_with_its_folder_and_removed_at_the_end) {
     const TempDir dir;
     ::setenv("XDG_RUNTIME_DIR", (dir / "run").c_str(), 1);    // in which the folder anogate belongs to us
     {
@@ -192,7 +192,7 @@ TEST(PtyLink, a_folder_that_was_mistyped_is_not_made) {
     EXPECT_TRUE(daemon.until([&] { return fs::is_symlink(dir / "rnu/anogate/app"); })) << "it is waited for";
 }
 
-TEST(PtyLink, a_user_who_reads_gets_what_waits_at_the_end) {
+TEST(PtyLink, waiting_frames_are_delivered_at_the_end_to_a_user_that_reads) {
     const TempDir dir;
     RunningGateway daemon{pty("app", dir / "app"), udp_listen("ground")};
     UdpPeer ground;
@@ -207,14 +207,14 @@ TEST(PtyLink, a_user_who_reads_gets_what_waits_at_the_end) {
     EXPECT_EQ(app.heard(), vendor::i_am_an_mcu);
 }
 
-TEST(PtyLink, a_link_that_an_earlier_run_left_is_replaced) {
+TEST(PtyLink, a_symlink_of_an_earlier_run_is_replaced) {
     const TempDir dir;
     fs::create_symlink("/dev/pts/99999", dir / "app");
     RunningGateway daemon{pty("app", dir / "app")};
     EXPECT_EQ(fs::read_symlink(dir / "app"), daemon.link("app").at("device").get<std::string>());
 }
 
-TEST(PtyLink, a_path_that_another_gateway_made_is_waited_for) {
+TEST(PtyLink, waits_for_a_path_that_another_gateway_uses) {
     const TempDir dir;
     fs::create_directory_symlink(dir.path(), dir / "same");
     std::optional<RunningGateway> first;
@@ -231,7 +231,7 @@ TEST(PtyLink, a_path_that_another_gateway_made_is_waited_for) {
     EXPECT_TRUE(second.until_up("app")) << second.link("app");
 }
 
-TEST(PtyLink, the_path_of_a_gateway_that_was_killed_is_made_anew) {
+TEST(PtyLink, the_path_of_a_killed_gateway_is_recreated) {
     const TempDir dir;
     Daemon killed{ANOGATED, dir / "control", {"pty:" + (dir / "app")}};
     ASSERT_TRUE(killed.until_answers());
@@ -245,7 +245,7 @@ TEST(PtyLink, the_path_of_a_gateway_that_was_killed_is_made_anew) {
     EXPECT_EQ(next.link("app").at("error"), "no program has opened " + (dir / "app"));
 }
 
-TEST(PtyLink, a_path_that_another_program_took_is_told_and_had_again_when_that_ends) {
+TEST(PtyLink, a_path_that_another_program_replaced_is_reported_and_recreated_when_it_is_free) {
     const TempDir dir;
     RunningGateway daemon{pty("app", dir / "app")};
     const std::string device = daemon.link("app").at("device");
@@ -263,7 +263,7 @@ TEST(PtyLink, a_path_that_another_program_took_is_told_and_had_again_when_that_e
     EXPECT_TRUE(daemon.until_up("app"));
 }
 
-TEST(PtyLink, a_path_that_another_program_took_is_left_to_it_at_the_end) {
+TEST(PtyLink, a_path_that_another_program_replaced_is_not_removed_at_the_end) {
     const TempDir dir;
     PtyDevice others{dir / "others"};
     RunningGateway daemon{pty("app", dir / "app"), pty("own", dir / "own")};
@@ -294,7 +294,7 @@ TEST(PtyLink, a_path_that_was_removed_is_made_again_each_time) {
     }
 }
 
-TEST(PtyLink, a_file_in_the_way_is_left_alone_and_waited_for) {
+TEST(PtyLink, keeps_an_existing_file_at_its_path_and_waits) {
     const TempDir dir;
     std::ofstream{dir / "app"} << "precious";
     std::ofstream{dir / "app.new"} << "precious";
@@ -333,7 +333,7 @@ TEST(PtyLink, a_path_may_be_relative) {
     fs::current_path(before);
 }
 
-TEST(PtyLink, a_folder_that_cannot_be_made_is_told_in_words) {
+TEST(PtyLink, a_folder_that_cannot_be_created_is_reported) {
     const TempDir dir;
     std::ofstream{dir / "file"} << "x";
     RunningGateway daemon{pty("app", dir / "file/app")};

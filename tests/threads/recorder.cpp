@@ -38,7 +38,7 @@ namespace fs = std::filesystem;
 using support::Bytes;
 using support::failing_disk;
 
-TEST(ThreadQueue, is_for_two_threads) {
+TEST(ThreadQueue, passes_all_items_in_order_between_two_threads) {
     ThreadQueue<std::shared_ptr<int>> queue{8};
     constexpr int all = 20'000;
     std::thread other{[&] {
@@ -117,7 +117,7 @@ protected:
 };
 using RecorderOfGateway = RecorderTest;
 
-TEST_F(RecorderOfGateway, has_all_that_came_until_it_was_ended) {
+TEST_F(RecorderOfGateway, writes_all_frames_received_until_it_is_ended) {
     start();
     send(500);
     recorder->end();
@@ -140,7 +140,7 @@ TEST_F(RecorderOfGateway, has_all_that_came_until_it_was_ended) {
     EXPECT_TRUE(gateway.until([&] { return changes >= 2; })) << "a file began, and all is ended";
 }
 
-TEST_F(RecorderOfGateway, a_frame_is_in_the_file_within_a_moment_and_without_an_end) {
+TEST_F(RecorderOfGateway, a_frame_is_written_to_the_file_soon_and_before_the_recording_ends) {
     start();
     send(1);
     ASSERT_TRUE(until_written(1));
@@ -160,7 +160,7 @@ TEST_F(RecorderOfGateway, loses_nothing_when_the_next_file_begins) {
     EXPECT_EQ(recorder->report().files, files().files.size());
 }
 
-TEST_F(RecorderOfGateway, counts_a_file_when_it_knows_which_it_is) {
+TEST_F(RecorderOfGateway, counts_a_file_when_its_name_is_known) {
     recorder = std::make_unique<Recorder>(gateway.gateway(), watch, settings, [] {});
     ASSERT_TRUE(support::wait_until([&] { return recorder->report().bytes > 0; })) << "the loop did not hear of it yet";
     EXPECT_EQ(recorder->report().files, recorder->report().file.empty() ? 0u : 1u);
@@ -168,7 +168,7 @@ TEST_F(RecorderOfGateway, counts_a_file_when_it_knows_which_it_is) {
     EXPECT_EQ(recorder->report().file, settings.folder + "/flight.pcapng");
 }
 
-TEST_F(RecorderOfGateway, may_be_destroyed_by_what_it_calls_at_the_end) {
+TEST_F(RecorderOfGateway, can_be_destroyed_by_its_callback_at_the_end) {
     recorder = std::make_unique<Recorder>(gateway.gateway(), watch, settings, [this] {
         if (recorder->report().is_ended) recorder.reset();
     });
@@ -178,7 +178,7 @@ TEST_F(RecorderOfGateway, may_be_destroyed_by_what_it_calls_at_the_end) {
     EXPECT_EQ(files().numbers, support::numbers_to(10));
 }
 
-TEST_F(RecorderOfGateway, that_is_destroyed_has_written_what_waited) {
+TEST_F(RecorderOfGateway, writes_waiting_frames_when_it_is_destroyed) {
     start();
     send(200);
     recorder.reset();
@@ -186,7 +186,7 @@ TEST_F(RecorderOfGateway, that_is_destroyed_has_written_what_waited) {
     EXPECT_TRUE(files().are_whole());
 }
 
-TEST_F(RecorderOfGateway, its_thread_stands_behind_the_loop_and_leaves_it_the_signals) {
+TEST_F(RecorderOfGateway, its_thread_has_a_lower_priority_than_the_loop_and_blocks_signals) {
     ::setpriority(PRIO_PROCESS, 0, 0);    // if the test runs nice and may not change that, it proves nothing
     start();
     std::string found;
@@ -201,7 +201,7 @@ TEST_F(RecorderOfGateway, its_thread_stands_behind_the_loop_and_leaves_it_the_si
     for (const int signal : {SIGTERM, SIGINT, SIGHUP, SIGUSR1, SIGXFSZ}) EXPECT_TRUE(blocked >> (signal - 1) & 1) << signal;
 }
 
-TEST_F(RecorderOfGateway, a_disk_that_hangs_is_told_within_a_second_and_holds_up_no_frame) {
+TEST_F(RecorderOfGateway, a_disk_that_hangs_is_reported_within_a_second_and_delays_no_frame) {
     start();
     send(30);
     ASSERT_TRUE(until_written(30));
@@ -222,7 +222,7 @@ TEST_F(RecorderOfGateway, a_disk_that_hangs_is_told_within_a_second_and_holds_up
     EXPECT_EQ(recorder->report().not_written, 0u);
 }
 
-TEST_F(RecorderOfGateway, what_does_not_fit_while_a_disk_hangs_is_counted_and_told_in_the_file) {
+TEST_F(RecorderOfGateway, frames_that_do_not_fit_while_a_disk_hangs_are_counted_and_reported_in_the_file) {
     start();
     failing_disk.hangs = true;
     send(25'000, true);    // 25 MB, while 17 MiB can be queued
@@ -246,7 +246,7 @@ TEST_F(RecorderOfGateway, what_does_not_fit_while_a_disk_hangs_is_counted_and_to
     EXPECT_EQ(written.numbers, wanted);
 }
 
-TEST_F(RecorderOfGateway, a_disk_that_takes_less_than_comes_is_told_and_what_is_missing_is_counted) {
+TEST_F(RecorderOfGateway, a_disk_that_is_too_slow_is_reported_and_missing_frames_are_counted) {
     start();
     failing_disk.slowness = 200;
     const int changes_before = changes;
@@ -272,7 +272,7 @@ TEST_F(RecorderOfGateway, a_disk_that_takes_less_than_comes_is_told_and_what_is_
     EXPECT_TRUE(std::is_sorted(written.numbers.begin(), written.numbers.end()));
 }
 
-TEST_F(RecorderOfGateway, a_disk_that_falls_a_second_behind_is_told_before_a_frame_is_lost) {
+TEST_F(RecorderOfGateway, a_disk_a_second_late_is_reported_before_a_frame_is_lost) {
     start();
     failing_disk.slowness = 600;    // less than the time after which a disk is reported as hanging
     const auto begin = ano::Clock::now();
@@ -289,7 +289,7 @@ TEST_F(RecorderOfGateway, a_disk_that_falls_a_second_behind_is_told_before_a_fra
     EXPECT_EQ(recorder->report().waiting, 0u);
 }
 
-TEST_F(RecorderOfGateway, what_is_refused_leaves_no_file_though_its_disk_is_well_again) {
+TEST_F(RecorderOfGateway, a_refused_recording_leaves_no_file_even_if_the_disk_works_again) {
     dir.write("recordings", "a file where the folder belongs");
     start();
     ASSERT_NE(recorder->report().error, "");
@@ -300,7 +300,7 @@ TEST_F(RecorderOfGateway, what_is_refused_leaves_no_file_though_its_disk_is_well
     EXPECT_FALSE(fs::exists(dir / "recordings"));
 }
 
-TEST_F(RecorderOfGateway, a_disk_that_hangs_holds_up_no_end) {
+TEST_F(RecorderOfGateway, a_disk_that_hangs_does_not_delay_the_end) {
     start();
     failing_disk.hangs = true;
     send(30);
@@ -327,7 +327,7 @@ TEST_F(RecorderOfGateway, a_disk_that_hangs_holds_up_no_end) {
     })) << "who was left behind ends the file";
 }
 
-TEST_F(RecorderOfGateway, a_full_disk_is_told_and_what_came_meanwhile_is_written_when_there_is_room) {
+TEST_F(RecorderOfGateway, a_full_disk_is_reported_and_waiting_frames_are_written_when_there_is_space) {
     fs::create_directories(settings.folder);
     const support::SmallDisk disk{settings.folder, "64m"};
     if (!disk.why_not().empty()) GTEST_SKIP() << disk.why_not();
@@ -360,7 +360,7 @@ TEST_F(RecorderOfGateway, a_full_disk_is_told_and_what_came_meanwhile_is_written
     EXPECT_EQ(recorder->report().not_written, 0u);
 }
 
-TEST_F(RecorderOfGateway, a_want_of_memory_is_told_and_what_came_meanwhile_is_written_behind_it) {
+TEST_F(RecorderOfGateway, a_lack_of_memory_is_reported_and_waiting_frames_are_written_afterwards) {
     start();
     send(100);
     ASSERT_TRUE(until_written(100));
@@ -394,7 +394,7 @@ TEST_F(RecorderOfGateway, keeps_some_of_the_disk_free) {
     EXPECT_TRUE(files().are_whole()) << "what was to stay free is enough to end it";
 }
 
-TEST_F(RecorderOfGateway, a_disk_that_can_only_be_read_is_told_and_asked_again) {
+TEST_F(RecorderOfGateway, a_read_only_disk_is_reported_and_retried) {
     fs::create_directories(settings.folder);
     const support::SmallDisk disk{settings.folder, "1m"};
     if (!disk.why_not().empty() || !disk.read_only(true)) GTEST_SKIP() << disk.why_not();
@@ -423,7 +423,7 @@ TEST_F(RecorderOfGateway, a_folder_that_is_removed_is_made_again_for_the_next_fi
     EXPECT_EQ(support::number_of(next.items.back().frame), 59);
 }
 
-TEST_F(RecorderOfGateway, what_waited_through_a_fault_is_no_sign_of_a_slow_disk) {
+TEST_F(RecorderOfGateway, frames_that_waited_during_a_fault_do_not_count_as_a_sign_of_a_slow_disk) {
     std::ofstream{settings.folder} << "no folder";
     start();
     ASSERT_NE(recorder->report().error, "");
@@ -484,7 +484,7 @@ private:
     pid_t pid_ = 0;
 };
 
-TEST(RecorderOfProcess, that_is_killed_has_all_but_the_last_second) {
+TEST(RecorderOfProcess, that_is_killed_has_written_all_but_the_last_second) {
     const support::TempDir dir;
     OtherProcess other{dir / "recordings"};
     support::UdpPeer peer;

@@ -93,7 +93,7 @@ protected:
     const support::WellAgain well_again{};
 };
 
-TEST_F(RecordingsOfGateway, one_save_of_the_last_frames_waits_for_the_disk_and_no_more) {
+TEST_F(RecordingsOfGateway, of_the_last_frames_refuse_a_second_save_while_the_first_waits_for_the_disk) {
     const auto first = save_that_hangs();
     EXPECT_EQ(*save(), 503u);
     failing_disk.hangs = false;
@@ -105,7 +105,7 @@ TEST_F(RecordingsOfGateway, one_save_of_the_last_frames_waits_for_the_disk_and_n
     EXPECT_EQ(recordings.figures().saved, 2u);
 }
 
-TEST_F(RecordingsOfGateway, of_the_last_frames_for_a_fault_wait_for_the_one_of_a_client) {
+TEST_F(RecordingsOfGateway, of_the_last_frames_for_a_fault_wait_for_the_save_of_a_client) {
     const auto first = save_that_hangs();
     recordings.link_lost(gateway.gateway().links().front());
     recordings.link_lost(gateway.gateway().links().front());
@@ -130,14 +130,14 @@ TEST_F(RecordingsOfGateway, of_the_last_frames_are_waited_for_at_the_end_and_ans
     EXPECT_EQ(saved_for_lost_links(), 1);
 }
 
-TEST_F(RecordingsOfGateway, of_the_last_frames_are_made_when_they_were_due_at_the_end) {
+TEST_F(RecordingsOfGateway, of_the_last_frames_that_are_due_at_the_end_are_saved) {
     recordings.link_lost(gateway.gateway().links().front());
     recordings.stop();
     ASSERT_TRUE(gateway.until([&] { return recordings.figures().saved == 1; }));
     EXPECT_EQ(saved_for_lost_links(), 1);
 }
 
-TEST_F(RecordingsOfGateway, of_the_last_frames_are_made_as_configured_and_with_what_was_kept_when_it_happened) {
+TEST_F(RecordingsOfGateway, of_the_last_frames_use_the_settings_and_frames_of_the_time_of_the_event) {
     hear(3);
     const auto first = save_that_hangs();
     recordings.link_lost(gateway.gateway().links().front());
@@ -153,7 +153,7 @@ TEST_F(RecordingsOfGateway, of_the_last_frames_are_made_as_configured_and_with_w
     for (const auto& file : std::filesystem::directory_iterator{dir / "recordings"}) EXPECT_EQ(frames_in(file), 3u) << file;
 }
 
-TEST_F(RecordingsOfGateway, of_the_last_frames_whose_name_is_looked_at_have_those_of_the_moment) {
+TEST_F(RecordingsOfGateway, of_the_last_frames_with_a_name_have_the_frames_of_the_time_of_the_request) {
     hear(3);
     const auto first = save("incident");
     Settings other = settings();
@@ -164,7 +164,7 @@ TEST_F(RecordingsOfGateway, of_the_last_frames_whose_name_is_looked_at_have_thos
     EXPECT_EQ(frames_in(dir / "recordings/incident.pcapng"), 3u);
 }
 
-TEST_F(RecordingsOfGateway, of_the_last_frames_have_the_fault_that_came_just_before_the_end) {
+TEST_F(RecordingsOfGateway, of_the_last_frames_are_saved_for_a_fault_received_just_before_the_end) {
     hear(3);
     a.send(gateway.port("a"), fault);
     ASSERT_TRUE(gateway.until([&] { return gateway.count("a", "frames_in") == 4; }));
@@ -173,7 +173,7 @@ TEST_F(RecordingsOfGateway, of_the_last_frames_have_the_fault_that_came_just_bef
     EXPECT_EQ(saved_for("fault"), 1);
 }
 
-TEST_F(RecordingsOfGateway, of_the_last_frames_have_the_fault_that_came_just_before_a_reload) {
+TEST_F(RecordingsOfGateway, of_the_last_frames_are_saved_for_a_fault_received_just_before_a_reload) {
     hear(3);
     Settings other = settings();
     other.record->keep_last = std::nullopt;
@@ -184,7 +184,7 @@ TEST_F(RecordingsOfGateway, of_the_last_frames_have_the_fault_that_came_just_bef
     EXPECT_EQ(saved_for("fault"), 1);
 }
 
-TEST_F(RecordingsOfGateway, of_the_last_frames_that_failed_do_not_use_up_the_minute) {
+TEST_F(RecordingsOfGateway, of_the_last_frames_that_failed_are_retried_before_the_minute_ends) {
     failing_disk.write_error = ENOSPC;
     recordings.link_lost(gateway.gateway().links().front());
     recordings.link_lost(gateway.gateway().links().front());
@@ -198,7 +198,7 @@ TEST_F(RecordingsOfGateway, of_the_last_frames_that_failed_do_not_use_up_the_min
     ASSERT_TRUE(gateway.until([&] { return recordings.figures().saved == 1; }));
 }
 
-TEST_F(RecordingsOfGateway, of_the_last_frames_for_which_there_is_no_memory_leave_no_file) {
+TEST_F(RecordingsOfGateway, of_the_last_frames_leave_no_file_if_memory_runs_out) {
     failing_disk.lacks_memory = true;
     const auto first = save("incident");
     ASSERT_TRUE(gateway.until([&] { return *first != 0; }));
@@ -210,7 +210,7 @@ TEST_F(RecordingsOfGateway, of_the_last_frames_for_which_there_is_no_memory_leav
     EXPECT_EQ(*next, 200u) << "the name is free";
 }
 
-TEST_F(RecordingsOfGateway, of_the_last_frames_whose_file_is_removed_meanwhile_are_not_called_saved) {
+TEST_F(RecordingsOfGateway, of_the_last_frames_are_not_reported_as_saved_if_the_file_was_removed) {
     const auto first = save_that_hangs("incident");
     std::filesystem::remove_all(dir / "recordings");
     failing_disk.hangs = false;
@@ -219,7 +219,7 @@ TEST_F(RecordingsOfGateway, of_the_last_frames_whose_file_is_removed_meanwhile_a
     EXPECT_EQ(recordings.figures().saved, 0u);
 }
 
-TEST_F(RecordingsOfGateway, say_at_their_end_that_nobody_is_answered_any_more) {
+TEST_F(RecordingsOfGateway, report_their_end_after_all_requests_are_answered) {
     const auto first = save_that_hangs();
     bool has_ended = false;
     recordings.stop([&] {
@@ -231,7 +231,7 @@ TEST_F(RecordingsOfGateway, say_at_their_end_that_nobody_is_answered_any_more) {
     ASSERT_TRUE(gateway.until([&] { return has_ended; }));
 }
 
-TEST_F(RecordingsOfGateway, are_read_from_memory_by_two_at_once) {
+TEST_F(RecordingsOfGateway, can_be_read_from_memory_by_two_clients_at_once) {
     http::Response first = recordings.last({});
     http::Response second = recordings.last({});
     EXPECT_EQ(first.status, 200u);
@@ -248,7 +248,7 @@ TEST_F(RecordingsOfGateway, are_read_from_memory_by_two_at_once) {
     EXPECT_EQ(recordings.last({}).status, 200u) << "all of them are made";
 }
 
-TEST_F(RecordingsOfGateway, are_not_begun_again_and_again_while_the_disk_keeps_them_from_their_end) {
+TEST_F(RecordingsOfGateway, are_not_started_repeatedly_while_the_disk_delays_their_end) {
     failing_disk.hangs = true;
     for (int i = 0; i < 20; ++i) {
         recordings.start_recording();
@@ -263,7 +263,7 @@ TEST_F(RecordingsOfGateway, are_not_begun_again_and_again_while_the_disk_keeps_t
     ASSERT_TRUE(gateway.until([&] { return recordings.figures().running == 0; }));
 }
 
-TEST_F(RecordingsOfGateway, that_a_reload_could_not_begin_while_the_disk_hung_begin_behind_it) {
+TEST_F(RecordingsOfGateway, that_a_reload_could_not_start_while_the_disk_hung_start_afterwards) {
     failing_disk.hangs = true;
     for (std::uint64_t size = 1'000'000; size < 5'000'000; size += 1'000'000) {
         Settings other = settings();

@@ -89,7 +89,7 @@ protected:
     std::optional<Daemon> daemon;
 };
 
-TEST_F(Reload, changes_what_the_file_says_and_tells_it_link_by_link) {
+TEST_F(Reload, applies_the_changes_of_the_file_and_reports_them_link_by_link) {
     PtyDevice device{dir / "fc"};
     write({"serial:" + device.path() + ",name=fc", "sim:fc,name=sim", "sim:fc,name=old"});
     ASSERT_TRUE(start({"udp-listen:127.0.0.1:0,name=ground"}));
@@ -125,7 +125,7 @@ TEST_F(Reload, changes_what_the_file_says_and_tells_it_link_by_link) {
     EXPECT_EQ(again.body.at("changed"), false);
 }
 
-TEST_F(Reload, by_a_faulty_file_changes_nothing_and_tells_all_faults) {
+TEST_F(Reload, of_a_faulty_file_changes_nothing_and_reports_all_errors) {
     write({"sim:fc"});
     ASSERT_TRUE(start());
     std::filesystem::create_directory(dir / "conf.d");
@@ -148,7 +148,7 @@ TEST_F(Reload, by_a_faulty_file_changes_nothing_and_tells_all_faults) {
     EXPECT_NE(notify.heard().find("READY=1"), std::string::npos) << "the end of a reload that came to nothing";
 }
 
-TEST_F(Reload, dry_changes_nothing) {
+TEST_F(Reload, with_dry_run_changes_nothing) {
     write({"sim:fc"});
     ASSERT_TRUE(start());
     write({"sim:fc", "sim:fc,name=two"});
@@ -164,7 +164,7 @@ TEST_F(Reload, dry_changes_nothing) {
     EXPECT_EQ(notify.heard(), "");
 }
 
-TEST_F(Reload, that_is_not_understood_is_refused) {
+TEST_F(Reload, with_an_invalid_query_is_refused) {
     write({"sim:fc"});
     ASSERT_TRUE(start());
     for (const char* query :
@@ -190,7 +190,7 @@ TEST_F(Reload, by_sighup_reads_conf_d_too) {
     EXPECT_TRUE(daemon->until_says("reload: two removed"));
 }
 
-TEST_F(Reload, that_is_confirmed_holds_also_over_a_restart) {
+TEST_F(Reload, that_is_confirmed_stays_in_effect_after_a_restart) {
     write({"sim:fc"});
     ASSERT_TRUE(start());
     write({"sim:fc", "sim:fc,name=two"});
@@ -231,7 +231,7 @@ TEST_F(Reload, that_is_not_confirmed_in_time_is_undone) {
     EXPECT_FALSE(is_kept());
 }
 
-TEST_F(Reload, that_was_not_confirmed_before_a_restart_is_undone_by_it) {
+TEST_F(Reload, that_was_not_confirmed_before_a_restart_is_undone_by_the_restart) {
     write({"sim:fc", "sim:fc,name=old"});
     ASSERT_TRUE(start({"sim:fc,name=line"}));
     write({"sim:fc", "sim:fc,name=new"});
@@ -251,7 +251,7 @@ TEST_F(Reload, that_was_not_confirmed_before_a_restart_is_undone_by_it) {
     EXPECT_FALSE(is_kept());
 }
 
-TEST_F(Reload, once_more_before_it_is_confirmed_goes_back_to_what_was_confirmed) {
+TEST_F(Reload, repeated_before_confirmation_falls_back_to_the_last_confirmed_configuration) {
     write({"sim:fc,name=a"});
     ASSERT_TRUE(start());
     write({"sim:fc,name=b"});
@@ -286,7 +286,7 @@ TEST_F(Reload, that_can_not_be_kept_for_a_restart_is_refused) {
     EXPECT_EQ(names(), std::vector<std::string>{"two"});
 }
 
-TEST_F(Reload, of_no_file_finds_nothing_new) {
+TEST_F(Reload, without_a_file_changes_nothing) {
     Daemon line{ANOGATED, dir / "line", {"sim:fc"}};
     ASSERT_TRUE(line.until_answers());
     EXPECT_EQ(line.status().at("gateway").at("config"), (json{{"file", nullptr}, {"state", "command line"}}));
@@ -295,7 +295,7 @@ TEST_F(Reload, of_no_file_finds_nothing_new) {
 }
 
 // Frames are forwarded while many clients request reloads at once, by signals and by requests.
-TEST_F(Reload, storms_disturb_no_frame) {
+TEST_F(Reload, storms_do_not_disturb_forwarding) {
     stay_on_one_processor();
     PtyDevice device{dir / "fc"};
     const json stays = {"serial:" + device.path() + ",name=fc,pace=off", "udp-listen:127.0.0.1:0,name=ground"};
@@ -347,7 +347,7 @@ TEST_F(Reload, storms_disturb_no_frame) {
     EXPECT_EQ(daemon->wait(), 0) << daemon->output();
 }
 
-TEST_F(Reload, at_the_end_is_no_more_than_an_end) {
+TEST_F(Reload, during_a_stop_does_not_prevent_a_clean_end) {
     PtyDevice stuck{dir / "stuck"};
     write({"serial:" + stuck.path() + ",pace=off", "udp-listen:127.0.0.1:0,name=ground"});
     ASSERT_TRUE(start());

@@ -9,7 +9,7 @@
 namespace anogate::vm {
 namespace {
 
-TEST_F(Can, an_11_bit_frame_on_the_wire_is_base_and_source_in_pieces_of_8) {
+TEST_F(Can, an_11_bit_frame_on_the_wire_has_base_and_source_as_id_and_pieces_of_8_bytes) {
     RunningGateway gateway{loop, {"can:vcan0", app.link("app")}};
     auto bus = dump();
     app.send(gateway.port("app"), frame(0xFE, 0xFF, 0xA0, data_of(3)));
@@ -20,7 +20,7 @@ TEST_F(Can, an_11_bit_frame_on_the_wire_is_base_and_source_in_pieces_of_8) {
     EXPECT_EQ(gateway.count("vcan0", "frames_in"), 0u);    // own frames are not received
 }
 
-TEST_F(Can, what_comes_while_the_gateway_stands_still_is_as_old_as_it_is) {
+TEST_F(Can, frames_received_during_a_stall_of_the_gateway_keep_their_age) {
     for (const std::string can : {"can:vcan0", "can:vcan0,framing=isotp,tx=0x101,rx=0x102"}) {
         RunningGateway gateway{loop, {can, app.link("app") + ",age.control=2s"}};
         EXPECT_TRUE(loop.until([&] { return gateway.up("vcan0"); }));
@@ -46,7 +46,7 @@ TEST_F(Can, base_moves_the_ids) {
     EXPECT_EQ(dumped(*bus, 1).at(0).substr(0, 4), "1FE#");
 }
 
-TEST_F(Can, a_29_bit_id_tells_class_source_and_destination) {
+TEST_F(Can, a_29_bit_id_contains_class_source_and_destination) {
     RunningGateway gateway{loop, {"can:vcan0,extended", app.link("app")}};
     auto bus = dump();
     for (const std::uint8_t id : Bytes{0xC0, 0x03, 0xB0}) app.send(gateway.port("app"), frame(0xFE, 0xDC, id));
@@ -58,7 +58,7 @@ TEST_F(Can, a_29_bit_id_tells_class_source_and_destination) {
     EXPECT_EQ(ids, (std::vector<std::string>{"0AB0FEDC#", "0AB1FEDC#", "0AB2FEDC#"}));
 }
 
-TEST_F(Can, fd_pieces_are_up_to_64_bytes_padded_with_zeros_and_have_the_bit_rate_switch_unless_told) {
+TEST_F(Can, fd_pieces_have_up_to_64_bytes_zero_padding_and_by_default_the_bit_rate_switch) {
     for (const bool brs : {true, false}) {
         RunningGateway gateway{loop, {brs ? "can:vcan0,fd" : "can:vcan0,fd,brs=false", app.link("app")}};
         auto bus = dump();
@@ -75,7 +75,7 @@ TEST_F(Can, fd_pieces_are_up_to_64_bytes_padded_with_zeros_and_have_the_bit_rate
     }
 }
 
-TEST_F(Can, what_cansend_sends_arrives_classic_extended_and_fd) {
+TEST_F(Can, frames_of_cansend_are_received_as_classic_extended_and_fd) {
     const std::pair<const char*, const char*> kinds[] = {{"", ""}, {"extended", ""}, {"", "fd"}, {"extended", "fd"}};
     for (const auto& [extended, fd] : kinds) {
         CanSettings can;
@@ -94,7 +94,7 @@ TEST_F(Can, what_cansend_sends_arrives_classic_extended_and_fd) {
     }
 }
 
-TEST_F(Can, twenty_senders_interleaved_by_canplayer) {
+TEST_F(Can, twenty_senders_interleaved_by_canplayer_are_received_completely) {
     std::vector<std::vector<std::string>> senders;
     for (std::uint8_t s = 1; s <= 20; ++s) {
         senders.emplace_back();
@@ -117,7 +117,7 @@ TEST_F(Can, twenty_senders_interleaved_by_canplayer) {
     std::remove(log.c_str());
 }
 
-TEST_F(Can, a_lost_can_frame_costs_one_v8_frame) {
+TEST_F(Can, a_lost_can_frame_damages_only_one_v8_frame) {
     RunningGateway gateway{loop, {"can:vcan0", app.link("app")}};
     BusSocket bus{"vcan0"};
     for (std::size_t i = 0; i < 40; ++i) bus.send(frame(0xDC, 0xFE, 0x03, data_of(17)), {}, i == 20 ? 1 : SIZE_MAX);
@@ -125,7 +125,7 @@ TEST_F(Can, a_lost_can_frame_costs_one_v8_frame) {
     EXPECT_EQ(gateway.count("vcan0", "frames_in"), 39u);
 }
 
-TEST_F(Can, a_frame_whose_rest_never_comes_holds_nobody_back_for_long) {
+TEST_F(Can, an_incomplete_frame_does_not_block_others_for_long) {
     RunningGateway gateway{loop, {"can:vcan0", app.link("app")}};
     ASSERT_EQ(run("cansend vcan0 6DC#ABDCFE03C8000102"), 0);    // 200 bytes announced
     BusSocket bus{"vcan0"};
@@ -134,7 +134,7 @@ TEST_F(Can, a_frame_whose_rest_never_comes_holds_nobody_back_for_long) {
     EXPECT_EQ(gateway.count("vcan0", "expired"), 1u) << gateway.status();
 }
 
-TEST_F(Can, a_frame_of_another_source_than_its_id_is_refused_and_counted) {
+TEST_F(Can, a_frame_whose_source_differs_from_its_id_is_refused_and_counted) {
     RunningGateway gateway{loop, {"can:vcan0", app.link("app")}};
     ASSERT_EQ(run("cansend vcan0 6DD#" + hex(frame(0xDC, 0xFE, 0x03))), 0);
     EXPECT_TRUE(loop.until([&] { return gateway.count("vcan0", "denied_in") == 1; }));
@@ -142,7 +142,7 @@ TEST_F(Can, a_frame_of_another_source_than_its_id_is_refused_and_counted) {
     EXPECT_TRUE(app.frames().empty());
 }
 
-TEST_F(Can, other_traffic_on_the_bus_is_kept_out_by_the_kernel) {
+TEST_F(Can, other_traffic_on_the_bus_is_filtered_by_the_kernel) {
     RunningGateway gateway{loop, {"can:vcan0", app.link("app")}};
     BusSocket bus{"vcan0"};
     for (const char* other : {"5FF#AB01", "700#AB01", "000006DC#AB01", "6DC#R8"})

@@ -7,7 +7,7 @@
 namespace anogate::vm {
 namespace {
 
-TEST_F(Can, what_the_kernel_drops_is_in_the_status) {
+TEST_F(Can, frames_dropped_by_the_kernel_are_in_the_status) {
     RunningGateway gateway{loop, {"can:vcan0", app.link("app")}};
     BusSocket bus{"vcan0"};
     for (int i = 0; i < 20000; ++i) bus.send(frame(0xDC, 0xFE, 0x03));    // the gateway's loop stalls
@@ -51,7 +51,7 @@ TEST_F(Can, error_frames_are_counted_by_kind) {
     EXPECT_EQ(link["bus"], "error-active");
 }
 
-TEST_F(Can, a_bus_off_is_shown_with_what_helps_and_over_when_a_frame_comes) {
+TEST_F(Can, a_bus_off_is_shown_with_a_remedy_and_ends_when_a_frame_is_received) {
     RunningGateway gateway{loop, {"can:vcan0", app.link("app")}};
     EXPECT_EQ(run("cansend vcan0 20000004#0020000000000000"), 0);
     EXPECT_TRUE(loop.until([&] { return gateway.link("vcan0")["bus"] == "error-passive"; }));
@@ -87,7 +87,7 @@ TEST_F(Can, a_bus_that_recovers_is_used_at_once) {
     run("ip link del vxcan0");
 }
 
-TEST_F(Can, an_interface_may_be_down_absent_and_back_and_nothing_else_is_disturbed) {
+TEST_F(Can, an_interface_can_be_down_or_absent_and_return_and_nothing_else_is_disturbed) {
     UdpPeer other;
     RunningGateway gateway{loop, {"can:vcan0,fd", app.link("app"), other.link("other")}};
     const auto passes = [&] {
@@ -123,7 +123,7 @@ TEST_F(Can, an_interface_may_be_down_absent_and_back_and_nothing_else_is_disturb
     EXPECT_EQ(gateway.count("vcan0", "link_down"), 4u);
 }
 
-TEST_F(Can, an_interface_that_is_no_can_is_refused_in_words) {
+TEST_F(Can, an_interface_that_is_not_can_is_rejected_with_an_explanation) {
     RunningGateway gateway{loop, {"can:lo", app.link("app")}};
     EXPECT_EQ(gateway.link("lo")["error"], "lo is not a CAN interface");
 }

@@ -6,7 +6,7 @@
 namespace anogate::vm {
 namespace {
 
-TEST_F(Can, isotp_one_frame_one_pdu_from_and_to_the_tools) {
+TEST_F(Can, isotp_sends_and_receives_one_frame_per_pdu_with_the_tools) {
     for (const std::string fd : {"", ",fd"}) {
         const std::string tools = fd.empty() ? "" : " -L 72:64:0";
         RunningGateway gateway{loop, {"can:vcan0,framing=isotp,tx=0x7E0,rx=0x7E8" + fd, app.link("app")}};
@@ -51,7 +51,7 @@ TEST_F(Can, isotp_extended_ids_are_29_bit) {
     EXPECT_EQ(dumped(*bus, 1).at(0).substr(0, 13), "18DA10F1#1008");
 }
 
-TEST_F(Can, isotp_between_two_gateways_in_order_and_complete) {
+TEST_F(Can, isotp_between_two_gateways_is_in_order_and_complete) {
     UdpPeer far;
     RunningGateway a{loop, {"can:vcan0,framing=isotp,tx=1,rx=2", app.link("app")}};
     RunningGateway b{loop, {"can:vcan0,framing=isotp,tx=2,rx=1", far.link("app")}};
@@ -64,7 +64,7 @@ TEST_F(Can, isotp_between_two_gateways_in_order_and_complete) {
     EXPECT_EQ(a.count("vcan0", "frames_out"), 100u);
 }
 
-TEST_F(Can, isotp_refuses_what_is_above_4095_bytes) {
+TEST_F(Can, isotp_refuses_frames_above_4095_bytes) {
     UdpPeer far;
     RunningGateway a{loop, {"can:vcan0,framing=isotp,tx=1,rx=2,max_data=5000", app.link("app") + ",max_data=5000"}};
     RunningGateway b{loop, {"can:vcan0,framing=isotp,tx=2,rx=1,max_data=5000", far.link("app") + ",max_data=5000"}};
@@ -76,7 +76,7 @@ TEST_F(Can, isotp_refuses_what_is_above_4095_bytes) {
     EXPECT_EQ(a.count("vcan0", "frames_out"), 1u);
 }
 
-TEST_F(Can, isotp_to_nobody_is_said_and_blocks_nothing) {
+TEST_F(Can, isotp_without_a_receiver_is_reported_and_blocks_nothing) {
     const auto start = std::chrono::steady_clock::now();
     {
         UdpPeer other;
@@ -97,7 +97,7 @@ TEST_F(Can, isotp_to_nobody_is_said_and_blocks_nothing) {
     RecordProperty("ms", static_cast<int>((std::chrono::steady_clock::now() - start) / 1ms));
 }
 
-TEST_F(Can, isotp_stays_up_while_many_frames_wait_for_nobody) {
+TEST_F(Can, isotp_stays_up_while_many_frames_wait_without_a_receiver) {
     RunningGateway gateway{loop, {"can:vcan0,framing=isotp,tx=1,rx=2", app.link("app")}};
     for (std::uint8_t n = 0; n < 3; ++n) app.send(gateway.port("app"), frame(0xFE, 0xFF, 0xE1, data_of(50, n)));
     bool went_down = false;
@@ -110,7 +110,7 @@ TEST_F(Can, isotp_stays_up_while_many_frames_wait_for_nobody) {
     EXPECT_EQ(gateway.link("vcan0")["error"].get<std::string>().find("the peer does not answer"), 0u);
 }
 
-TEST_F(Can, a_kernel_without_isotp_is_named_and_waited_for) {
+TEST_F(Can, a_kernel_without_isotp_is_reported_and_waited_for) {
     if (!std::getenv("ANOGATE_IN_VM")) GTEST_SKIP() << "unloads a kernel module: only in tests/vm/machine";
     ASSERT_EQ(run("echo 'install can-isotp /bin/false' >/etc/modprobe.d/no-isotp.conf"), 0);
     ASSERT_TRUE(loop.until([] { return run("rmmod can-isotp 2>/dev/null") == 0; })) << "sockets of earlier tests close late";

@@ -28,7 +28,7 @@ TEST_F(Can, a_full_queue_never_cuts_a_frame) {
     EXPECT_EQ(there.count("far", "skipped_bytes"), 0u);
 }
 
-TEST_F(Can, a_frame_that_the_bus_leaves_in_its_middle_is_given_up_whole) {
+TEST_F(Can, a_frame_interrupted_by_the_loss_of_the_bus_is_dropped_completely) {
     ASSERT_EQ(run("tc qdisc add dev vcan0 root tbf rate 100kbit burst 200 limit 400"), 0);
     UdpPeer far;
     RunningGateway near{loop, {"can:vcan0,max_data=5000", app.link("app") + ",max_data=5000"}};
@@ -49,7 +49,7 @@ TEST_F(Can, a_frame_that_the_bus_leaves_in_its_middle_is_given_up_whole) {
 }
 
 // A slow bus that another program keeps full; images wait, with commands among them.
-TEST_F(Can, urgent_frames_leave_first_beside_a_saturated_bus) {
+TEST_F(Can, urgent_frames_are_sent_first_on_a_saturated_bus) {
     ASSERT_EQ(run("ip link set vcan0 txqueuelen 4"), 0);
     ASSERT_EQ(run("tc qdisc add dev vcan0 root tbf rate 400kbit burst 200 limit 400"), 0);
     UdpPeer far;
@@ -74,7 +74,7 @@ TEST_F(Can, urgent_frames_leave_first_beside_a_saturated_bus) {
     EXPECT_GT(near.count("vcan0", "waiting"), 100u) << images << " images came before it";
 }
 
-TEST_F(Can, two_gateways_joined_by_one_bus) {
+TEST_F(Can, two_gateways_forward_frames_over_one_bus) {
     for (const std::string options : {"", ",fd", ",extended", ",fd,extended"}) {
         UdpPeer far;
         RunningGateway a{loop, {"can:vcan0" + options, app.link("app")}};
@@ -91,7 +91,7 @@ TEST_F(Can, two_gateways_joined_by_one_bus) {
     }
 }
 
-TEST_F(Can, pty_to_can_to_udp_and_back) {
+TEST_F(Can, frames_pass_from_pty_to_can_to_udp_and_back) {
     const std::string path = testing::TempDir() + "can-test-pty";
     UdpPeer far;
     RunningGateway a{loop, {"can:vcan0", "pty:" + path + ",name=pty"}};
@@ -115,7 +115,7 @@ TEST_F(Can, pty_to_can_to_udp_and_back) {
 }
 
 // The table of src/link/README.md is based on these counts.
-TEST_F(Can, the_bus_sees_as_many_frames_and_bytes_as_computed) {
+TEST_F(Can, the_bus_carries_as_many_frames_and_bytes_as_computed) {
     for (const bool fd : {false, true}) {
         for (const bool isotp : {false, true}) {
             const std::string options = std::string{fd ? ",fd" : ""} + (isotp ? ",framing=isotp" : "");
@@ -144,7 +144,7 @@ TEST_F(Can, the_bus_sees_as_many_frames_and_bytes_as_computed) {
 
 // Senders with a window of frames in flight: UDP to A, CAN to B, UDP to the far app. The frames of each sender stay in order;
 // between senders of one class the outbox takes turns.
-TEST_F(Can, a_hundred_thousand_frames_without_a_lost_or_altered_one) {
+TEST_F(Can, a_hundred_thousand_frames_arrive_without_a_loss_or_change) {
     UdpPeer far;
     RunningGateway a{loop, {"can:vcan0,fd", app.link("app")}};
     RunningGateway b{loop, {"can:vcan0,fd", far.link("app")}};

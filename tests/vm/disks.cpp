@@ -68,7 +68,7 @@ private:
     bool is_mounted_ = false, is_frozen_ = false;
 };
 
-TEST_F(Disks, that_hang_are_told_of_within_a_second_and_lose_nothing_and_frames_go_on) {
+TEST_F(Disks, that_hang_are_reported_within_a_second_while_forwarding_continues_and_nothing_is_lost) {
     start(R"(, "record": {"free": 0})");
     send_numbered(20);
     ASSERT_TRUE(until_written(20));
@@ -87,7 +87,7 @@ TEST_F(Disks, that_hang_are_told_of_within_a_second_and_lose_nothing_and_frames_
     EXPECT_EQ(recorded(name), numbers_to(120));
 }
 
-TEST_F(Disks, that_hang_hold_up_no_end_but_that_of_the_kernel) {
+TEST_F(Disks, that_hang_delay_the_shutdown_only_in_the_kernel) {
     start(R"(, "record": {"free": 0})");
     send_numbered(20);
     ASSERT_TRUE(until_written(20));

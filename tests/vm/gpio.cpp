@@ -107,7 +107,7 @@ TEST_F(Gpio, link_up_is_on_while_the_link_is_up) {
     EXPECT_FALSE(sim.level(0)) << "no gateway, no link";
 }
 
-TEST_F(Gpio, activity_blinks_with_the_traffic_and_never_faster_than_is_seen) {
+TEST_F(Gpio, activity_blinks_with_the_traffic_and_never_faster_than_is_visible) {
     GpioSim sim{"a", 2};
     GpioGateway gateway{loop, udp("ground") + "," + udp("other"), line(sim, 0, R"("use": "activity", "link": "ground")")};
     UdpPeer app, other;
@@ -139,7 +139,7 @@ TEST_F(Gpio, activity_blinks_with_the_traffic_and_never_faster_than_is_seen) {
         << "what leaves by the link is traffic too" << gateway.status();
 }
 
-TEST_F(Gpio, power_is_on_from_the_start_and_cycled_when_asked) {
+TEST_F(Gpio, power_is_on_from_the_start_and_cycled_on_request) {
     GpioSim sim{"a", 2};
     GpioGateway gateway{loop, udp("radio"), line(sim, 0, R"("use": "power", "link": "radio", "pulse": "300ms")")};
     EXPECT_TRUE(sim.level(0)) << "before anything else";
@@ -157,7 +157,7 @@ TEST_F(Gpio, power_is_on_from_the_start_and_cycled_when_asked) {
     EXPECT_TRUE(becomes(sim, 0, true));
 }
 
-TEST_F(Gpio, reset_is_pulsed_when_asked_once_a_minute) {
+TEST_F(Gpio, reset_is_pulsed_on_request_once_a_minute) {
     GpioSim sim{"a", 2};
     GpioGateway gateway{loop, udp("fc"), line(sim, 0, R"("use": "reset", "link": "fc", "active_low": true, "pulse": "200ms")")};
     EXPECT_TRUE(sim.level(0)) << "off is high";
@@ -174,7 +174,7 @@ TEST_F(Gpio, reset_is_pulsed_when_asked_once_a_minute) {
     EXPECT_EQ(gateway.gpio()["pulses"], 1);
 }
 
-TEST_F(Gpio, reset_is_pulsed_when_the_link_is_silent_and_not_while_it_speaks) {
+TEST_F(Gpio, reset_is_pulsed_when_the_link_is_silent_and_not_while_frames_are_received) {
     GpioSim sim{"a", 2};
     GpioGateway gateway{loop, udp("fc"), line(sim, 0, R"("use": "reset", "link": "fc", "pulse": "100ms", "when": "silent 2s")")};
     UdpPeer device;
@@ -194,7 +194,7 @@ TEST_F(Gpio, reset_is_pulsed_when_the_link_is_silent_and_not_while_it_speaks) {
     EXPECT_EQ(gateway.gpio()["edges"], 2);
 }
 
-TEST_F(Gpio, inhibit_keeps_control_frames_off_and_lets_the_rest_pass) {
+TEST_F(Gpio, inhibit_drops_control_frames_and_passes_the_rest) {
     GpioSim sim{"a", 4};
     sim.pull(2, true);
     GpioGateway gateway{loop, udp("ground") + "," + udp("fc") + "," + udp("desk"),
@@ -234,7 +234,7 @@ TEST_F(Gpio, inhibit_can_be_active_low_with_a_pull_up) {
     EXPECT_TRUE(loop.until([&] { return gateway.gpio()["inhibiting"] == true; }));
 }
 
-TEST_F(Gpio, a_switch_that_chatters_fills_no_log) {
+TEST_F(Gpio, a_chattering_switch_does_not_fill_the_log) {
     GpioSim sim{"a", 2};
     const auto lines = std::make_shared<spdlog::sinks::ringbuffer_sink_mt>(1000);
     const auto usual = spdlog::default_logger();
@@ -260,7 +260,7 @@ TEST_F(Gpio, a_switch_that_chatters_fills_no_log) {
     spdlog::set_level(spdlog::level::off);
 }
 
-TEST_F(Gpio, inhibit_is_not_passed_inside_a_tunnel_frame) {
+TEST_F(Gpio, inhibit_cannot_be_bypassed_inside_a_tunnel_frame) {
     GpioSim sim{"a", 4};
     sim.pull(0, true);
     GpioGateway gateway{loop, udp("ground") + "," + udp("fc"), line(sim, 0, R"("use": "inhibit", "links": ["ground", "tunnel"])"),
@@ -292,7 +292,7 @@ TEST_F(Gpio, inhibit_is_not_passed_inside_a_tunnel_frame) {
     EXPECT_EQ(received(fc, 3), 3u);
 }
 
-TEST_F(Gpio, inhibit_counts_as_active_while_its_chip_is_gone) {
+TEST_F(Gpio, inhibit_counts_as_active_while_its_chip_is_missing) {
     GpioSim sim{"a", 4};
     sim.pull(0, false);
     const std::string chip = sim.chip();
@@ -353,7 +353,7 @@ TEST_F(Gpio, no_final_state_is_missed_in_ten_thousand_edges) {
     EXPECT_GE(gateway.gpio()["edges"], 100);
 }
 
-TEST_F(Gpio, every_edge_is_counted_when_they_come_one_by_one) {
+TEST_F(Gpio, edges_that_occur_one_by_one_are_all_counted) {
     const auto begin = Clock::now();
     GpioSim sim{"a", 2};
     GpioGateway gateway{loop, udp("ground"), line(sim, 0, R"("use": "inhibit", "links": ["ground"])")};
@@ -383,7 +383,7 @@ TEST_F(Gpio, a_line_is_found_by_name_on_any_chip_and_a_chip_by_path_or_label) {
     EXPECT_EQ(gateway.gpio(2)["chip"], second.chip());
 }
 
-TEST_F(Gpio, a_line_that_can_not_be_had_says_so_and_is_waited_for) {
+TEST_F(Gpio, an_unavailable_line_is_reported_and_waited_for) {
     GpioSim sim{"a", 4, {{1, "LAMP"}}, {{1, "the-kernel"}}};
     auto later = std::make_unique<GpioSim>("b", 1);
     const std::string absent = later->chip();
@@ -405,7 +405,7 @@ TEST_F(Gpio, a_line_that_can_not_be_had_says_so_and_is_waited_for) {
     EXPECT_TRUE(there.level(0) && there.level(1));
 }
 
-TEST_F(Gpio, a_line_is_ours_alone_and_free_again_when_we_end) {
+TEST_F(Gpio, a_line_is_used_exclusively_and_released_at_the_end) {
     GpioSim sim{"a", 2};
     auto first = std::make_unique<GpioGateway>(loop, udp("ground"), line(sim, 0, R"("use": "link_up", "link": "ground")"));
     GpioGateway second{loop, udp("ground"), line(sim, 0, R"("use": "link_up", "link": "ground")")};
@@ -415,7 +415,7 @@ TEST_F(Gpio, a_line_is_ours_alone_and_free_again_when_we_end) {
     EXPECT_TRUE(sim.level(0)) << "as it should be by then";
 }
 
-TEST_F(Gpio, a_missing_permission_is_named_and_waited_for) {
+TEST_F(Gpio, a_missing_permission_is_reported_and_waited_for) {
     GpioSim sim{"a", 2, {{0, "LAMP"}}};
     const std::string node = "/dev/" + sim.chip();
     std::filesystem::permissions(node, std::filesystem::perms::owner_all);
@@ -433,7 +433,7 @@ TEST_F(Gpio, a_missing_permission_is_named_and_waited_for) {
     ASSERT_EQ(::seteuid(0), 0);
 }
 
-TEST_F(Gpio, outputs_have_their_value_again_when_the_chip_is_back) {
+TEST_F(Gpio, outputs_are_restored_when_the_chip_returns) {
     GpioSim sim{"a", 4};
     const std::string chip = "{\"chip\": \"" + sim.label() + "\", ";
     GpioGateway gateway{loop, udp("ground"),
@@ -447,7 +447,7 @@ TEST_F(Gpio, outputs_have_their_value_again_when_the_chip_is_back) {
     EXPECT_TRUE(becomes(sim, 1, true));
 }
 
-TEST_F(Gpio, a_pulse_that_the_chip_did_not_give_is_none) {
+TEST_F(Gpio, a_pulse_that_the_chip_did_not_output_is_not_counted) {
     GpioSim sim{"a", 2};
     const std::string chip = "{\"chip\": \"" + sim.label() + "\", ";
     GpioGateway gateway{loop, udp("fc"),
@@ -466,7 +466,7 @@ TEST_F(Gpio, a_pulse_that_the_chip_did_not_give_is_none) {
     EXPECT_TRUE(sim.level(0));
 }
 
-TEST_F(Gpio, post_says_what_is_wrong_with_a_request) {
+TEST_F(Gpio, post_reports_the_fault_of_a_request) {
     GpioSim sim{"a", 4};
     GpioGateway gateway{loop, udp("fc") + "," + udp("radio"),
                         line(sim, 0, R"("use": "reset", "link": "fc")") + "," +
@@ -491,7 +491,7 @@ TEST_F(Gpio, post_says_what_is_wrong_with_a_request) {
     EXPECT_TRUE(sim.level(0));
 }
 
-TEST_F(Gpio, rs485_is_sending_while_frames_leave_and_listens_behind_them) {
+TEST_F(Gpio, rs485_is_switched_to_sending_for_frames_and_to_receiving_after_them) {
     GpioSim sim{"a", 4};
     std::vector<std::string> ports;
     support::PtyDevice pty{dir / "port"};

@@ -89,7 +89,7 @@ private:
 };
 
 // An emulated machine may not send within half a second the bytes passed to its driver: those are lost, and nothing else.
-TEST(Restarts, lose_only_what_was_on_its_way_of_ten_thousand_frames) {
+TEST(Restarts, lose_only_frames_in_transit_of_ten_thousand) {
     constexpr int frames = 10'000, restarts = 5, behind_the_last = 500;
     stay_on_one_processor();
     Terminal device{device_path};

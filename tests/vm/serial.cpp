@@ -118,7 +118,7 @@ TEST_F(Serial, a_usb_port_is_plugged_and_pulled_ten_times_under_traffic) {
     EXPECT_GE(link["frames_out"], 200);
 }
 
-TEST_F(Serial, two_uarts_as_a_null_modem_at_usual_and_odd_rates) {
+TEST_F(Serial, two_uarts_exchange_frames_at_usual_and_odd_baud_rates) {
     if (!in_vm()) GTEST_SKIP() << "needs two UARTs joined: only in tests/vm/machine";
     for (const std::string baud : {"115200", "500000", "57600", "123456", "9600"}) {
         UdpPeer far;
@@ -131,7 +131,7 @@ TEST_F(Serial, two_uarts_as_a_null_modem_at_usual_and_odd_rates) {
     }
 }
 
-TEST_F(Serial, a_command_overtakes_what_a_slow_line_has_not_taken_yet) {
+TEST_F(Serial, a_command_overtakes_frames_that_a_slow_line_has_not_sent_yet) {
     if (!in_vm()) GTEST_SKIP() << "needs two UARTs joined: only in tests/vm/machine";
     UdpPeer far;
     RunningGateway a{loop, {"serial:/dev/ttyS1,baud=9600", app.link("app")}};
@@ -151,7 +151,7 @@ TEST_F(Serial, a_command_overtakes_what_a_slow_line_has_not_taken_yet) {
     EXPECT_LE(images, 10u) << "of 40";
 }
 
-TEST_F(Serial, modem_lines_are_held_as_told) {
+TEST_F(Serial, modem_lines_are_set_as_configured) {
     if (!in_vm()) GTEST_SKIP() << "needs a UART: only in tests/vm/machine";
     for (const bool on : {true, false}) {
         const std::string word = on ? "true" : "false";
@@ -165,7 +165,7 @@ TEST_F(Serial, modem_lines_are_held_as_told) {
     }
 }
 
-TEST_F(Serial, no_other_user_opens_a_port_that_is_ours_and_any_may_when_we_are_gone) {
+TEST_F(Serial, other_users_can_open_a_port_only_after_the_gateway_has_ended) {
     if (!in_vm()) GTEST_SKIP() << "needs a UART: only in tests/vm/machine";
     ASSERT_EQ(run("chmod 666 /dev/ttyS1"), 0);
     const auto open_as_nobody = [] {

@@ -21,21 +21,21 @@ TEST(Attitude, of_euler_angles_turns_about_x_then_y_then_z) {
     expect_same(rotation_of_euler(90, 0, 90, EulerSigns::document), {0.5, 0.5, 0.5, 0.5});
 }
 
-TEST(Attitude, of_lx_units_has_pitch_and_yaw_the_other_way_round) {
+TEST(Attitude, of_lx_units_has_inverted_pitch_and_yaw) {
     expect_same(rotation_of_euler(20, -30, 40, EulerSigns::lx), rotation_of_euler(20, 30, -40, EulerSigns::document));
     EXPECT_GT(
         degrees_between(rotation_of_euler(20, -30, 40, EulerSigns::lx), rotation_of_euler(20, -30, 40, EulerSigns::document)),
         60);
 }
 
-TEST(Attitude, of_a_quaternion_is_normalised_or_none) {
+TEST(Attitude, of_a_quaternion_is_normalised_or_rejected) {
     EXPECT_FALSE(rotation_of_quaternion(0, 0, 0, 0));
     EXPECT_FALSE(rotation_of_quaternion(1, 1, 0, 0));
     EXPECT_FALSE(rotation_of_quaternion(std::nan(""), 0, 0, 0));
     EXPECT_NEAR(rotation_of_quaternion(0.95, 0, 0, 0)->w, 1, 1e-12);
 }
 
-TEST(Attitude, of_a_frame_is_that_of_either_layout) {
+TEST(Attitude, of_a_frame_is_read_from_every_layout) {
     const auto euler = support::frame(0xDD, 0xFE, 0x03, {0, 0, 0, 0, 0x28, 0x23, 1});    // yaw 90
     const auto with_mode = support::frame(0xDD, 0xFE, 0x03, {1, 0, 0, 0, 0, 0x28, 0x23, 1});
     const auto quaternion = support::frame(0xDD, 0xFE, 0x04, {0x9F, 0x1B, 0, 0, 0, 0, 0x61, 0xE4, 1});    // yaw -90

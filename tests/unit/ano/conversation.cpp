@@ -25,7 +25,7 @@ bool is_of_a_host(std::uint8_t id, const Bytes& data) {
     return ano::is_of_a_host(FrameView{bytes});
 }
 
-TEST(Intent, of_what_commands_or_writes) {
+TEST(Intent, of_commands_and_writes_is_acts) {
     for (const std::uint8_t id : std::initializer_list<std::uint8_t>{0x40, 0x41, 0x61, 0xC0, 0xE1, 0xF0}) {
         EXPECT_EQ(intent(0xDC, id, {1, 2, 3}), Intent::acts) << int{id};
         EXPECT_EQ(intent(0xFF, id, {1, 2, 3}), Intent::acts) << int{id};
@@ -36,7 +36,7 @@ TEST(Intent, of_what_commands_or_writes) {
     EXPECT_EQ(intent(0xDC, 0xE0, {0x55, 0, 0}), Intent::acts) << "not listed";
 }
 
-TEST(Intent, of_questions) {
+TEST(Intent, of_requests_is_asks) {
     for (std::uint8_t cmd = 0; cmd <= 3; ++cmd) EXPECT_EQ(intent(0xDC, 0xE0, {cmd, 0, 0}), Intent::asks);
     EXPECT_EQ(intent(0xDC, 0xC1, {0, 0, 0}), Intent::asks);
     EXPECT_EQ(intent(0xDC, 0xC1, {1, 0, 0}), Intent::asks);
@@ -50,13 +50,13 @@ TEST(Intent, of_questions) {
     EXPECT_FALSE(question(0xFE));
 }
 
-TEST(Intent, of_the_rest) {
+TEST(Intent, of_all_other_frames_is_informs) {
     for (const std::uint8_t id :
          std::initializer_list<std::uint8_t>{0x00, 0x01, 0x03, 0x20, 0xA0, 0xB0, 0xB1, 0xC2, 0xE2, 0xE3, 0xF1})
         EXPECT_EQ(intent(0xDC, id, {1, 2, 3}), Intent::informs) << int{id};
 }
 
-TEST(Intent, of_a_question_that_no_device_can_have_sent_shows_a_host) {
+TEST(Intent, of_a_request_that_only_hosts_send_identifies_a_host) {
     EXPECT_TRUE(is_of_a_host(0xE0, {0, 0, 0}));
     EXPECT_TRUE(is_of_a_host(0xE0, {2, 5, 0}));
     EXPECT_TRUE(is_of_a_host(0xE0, {3, 5, 0}));
@@ -129,7 +129,7 @@ bool is_answered(std::uint8_t id, const Bytes& data, std::uint8_t answer, const 
     return expected && answer_in(FrameView{support::frame(0xDC, 0xFE, answer, by)}) == *expected;
 }
 
-TEST(Answer, repeats_the_number_of_the_question) {
+TEST(Answer, repeats_the_number_of_the_request) {
     EXPECT_TRUE(is_answered(0xE0, {2, 0x34, 0x12}, 0xE1, {0x34, 0x12, 7}));
     EXPECT_FALSE(is_answered(0xE0, {2, 0x34, 0x12}, 0xE1, {0x34, 0x13, 7}));
     EXPECT_FALSE(is_answered(0xE0, {2, 0x34, 0x12}, 0xE2, {0x34, 0x12, 7}));
@@ -146,7 +146,7 @@ TEST(Answer, repeats_the_number_of_the_question) {
     EXPECT_TRUE(is_answered(0xE0, {0, 0, 0}, 0xE3, {0xDC}));
 }
 
-TEST(Answer, of_a_write_repeats_its_id_and_both_checks) {
+TEST(Answer, to_a_write_repeats_its_id_and_both_checks) {
     const Bytes written = support::frame(0xFE, 0xDC, 0xE1, {5, 0, 1});
     const Checks checks = FrameView{written}.checks();
     const auto acknowledges = [&](const Bytes& data) {
@@ -159,13 +159,13 @@ TEST(Answer, of_a_write_repeats_its_id_and_both_checks) {
     EXPECT_FALSE(acknowledges({0xE1, checks.sum}));
 }
 
-TEST(Answer, is_not_awaited_of_a_question_that_is_too_short) {
+TEST(Answer, is_not_expected_to_a_request_that_is_too_short) {
     EXPECT_FALSE(answer_to(FrameView{support::frame(0xFE, 0xDC, 0xE0, {0})}));
     EXPECT_FALSE(answer_to(FrameView{support::frame(0xFE, 0xDC, 0x60, {})}));
 }
 
 // An action that can't be distinguished from a question would pass an inhibit switch.
-TEST(Control, is_an_unlisted_action_and_one_without_data) {
+TEST(Control, includes_unlisted_actions_and_actions_without_data) {
     const auto is_control = [](const Bytes& data) { return ano::is_control(FrameView{support::frame(0xFE, 0xDC, 0xE0, data)}); };
     EXPECT_TRUE(is_control({}));
     EXPECT_FALSE(is_control({0, 0, 0})) << "the question for the device info";

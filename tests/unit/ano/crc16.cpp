@@ -15,7 +15,7 @@ using namespace ano;
 constexpr std::array<std::uint8_t, 9> digits{'1', '2', '3', '4', '5', '6', '7', '8', '9'};
 static_assert(crc16_of(digits) == 0x29B1);
 
-TEST(Crc16, is_that_of_the_catalogue) {
+TEST(Crc16, matches_the_check_values_of_the_catalogue) {
     const std::map<std::string_view, std::uint16_t> check{{"crc16/ibm-3740", 0x29B1},
                                                           {"crc16/xmodem", 0x31C3},
                                                           {"crc16/kermit", 0x2189},

@@ -15,7 +15,7 @@ constexpr std::uint16_t all_codes[]{0x0101, 0x0102, 0x0110, 0x0111, 0x0112, 0x10
 
 bool reads_the_same(std::uint16_t code) { return code >> 8 == (code & 0xFF); }
 
-TEST(FirmwareCodes, each_is_found_in_both_orders) {
+TEST(FirmwareCodes, are_recognised_in_both_byte_orders) {
     for (const std::uint16_t code : all_codes)
         for (const ByteOrder order : {ByteOrder::little, ByteOrder::big}) {
             const auto low = static_cast<std::uint8_t>(code), high = static_cast<std::uint8_t>(code >> 8);
@@ -36,7 +36,7 @@ TEST(FirmwareCodes, each_is_found_in_both_orders) {
         }
 }
 
-TEST(FirmwareCodes, others_are_given_as_they_stand) {
+TEST(FirmwareCodes, return_unknown_codes_unchanged) {
     const auto unknown = support::frame(1, 2, 0xF0, {0, 0x07, 0x03});
     ASSERT_TRUE(firmware_code_in(FrameView{unknown}));
     EXPECT_EQ(firmware_code_in(FrameView{unknown})->code, 0x0307);

@@ -31,7 +31,7 @@ TEST(Flexible, decodes_like_any_other_message) {
     EXPECT_EQ(reading.extra().size(), 1u);
 }
 
-TEST(Flexible, is_too_short_or_without_layout_like_any_other) {
+TEST(Flexible, reports_messages_that_are_too_short_or_without_layout) {
     FlexibleLayouts layouts;
     ASSERT_FALSE(layouts.add(0xF1, std::nullopt, abc));
     const auto too_short = support::frame(30, 0xFE, 0xF1, support::Bytes(7));
@@ -40,7 +40,7 @@ TEST(Flexible, is_too_short_or_without_layout_like_any_other) {
     EXPECT_EQ(read(FrameView{unknown}, &layouts).readable(), Readable::unknown_layout);
 }
 
-TEST(Flexible, the_layout_of_a_source_goes_before_the_one_for_all) {
+TEST(Flexible, prefers_the_layout_of_a_source_to_the_one_for_all) {
     FlexibleLayouts layouts;
     ASSERT_FALSE(layouts.add(0xF5, std::nullopt, abc));
     ASSERT_FALSE(layouts.add(0xF5, 30, std::vector<FlexibleField>{{"mine", Type::f32, 1, ""}}));
@@ -107,7 +107,7 @@ TEST(Flexible, the_first_field_may_select_the_layout) {
     EXPECT_EQ(read(0xF2, support::Bytes{}, &only).readable(), Readable::unknown_layout);
 }
 
-TEST(Flexible, a_value_that_the_first_field_can_not_have_selects_nothing) {
+TEST(Flexible, rejects_a_selecting_value_that_the_first_field_cannot_have) {
     const auto fault = [](Type type, double scale, std::uint16_t count, std::uint32_t when) {
         FlexibleLayouts layouts;
         return layouts.add({.id = 0xF1, .fields = {{"kind", type, scale, "", count}}, .when = when}).fault;
@@ -131,7 +131,7 @@ TEST(Flexible, keeps_its_names_when_it_is_moved) {
     for (const FlexibleLayout& layout : moved.all()) EXPECT_EQ(layout.fields()[2].name, "c");
 }
 
-TEST(Flexible, refuses_what_is_no_layout) {
+TEST(Flexible, rejects_invalid_layouts) {
     const auto refused = [](std::uint8_t id, std::vector<FlexibleField> fields) {
         FlexibleLayouts layouts;
         return layouts.add(id, std::nullopt, fields).fault;

@@ -33,7 +33,7 @@ const std::vector<Bytes> vendor_frames{
     {0xAB, 0xFE, 0xBA, 0xC0, 0x0B, 0x00, 0x01, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x2F, 0x3B},
 };
 
-TEST(Frame, is_read_as_the_vendor_made_it) {
+TEST(Frame, of_the_vendor_is_read_correctly) {
     for (const Bytes& bytes : vendor_frames) {
         const auto frame = ano::frame_at(bytes);
         ASSERT_TRUE(frame);
@@ -49,7 +49,7 @@ TEST(Frame, is_read_as_the_vendor_made_it) {
     EXPECT_EQ(info->checks(), (Checks{0x3F, 0x2E}));
 }
 
-TEST(Frame, is_encoded_as_the_vendor_made_it) {
+TEST(Frame, is_encoded_as_by_the_vendor) {
     for (const Bytes& bytes : vendor_frames)
         EXPECT_EQ(support::frame(bytes[1], bytes[2], bytes[3], {bytes.begin() + 6, bytes.end() - 2}), bytes);
 }
@@ -71,7 +71,7 @@ TEST(Frame, is_made_at_compile_time_as_well) {
               Bytes(bytes.begin(), bytes.end()));
 }
 
-TEST(Frame, has_the_checks_of_the_text_at_every_length) {
+TEST(Frame, has_the_checks_of_the_protocol_text_at_every_length) {
     support::Random random{1};
     Bytes bytes;
     for (int n = 0; n < 300; ++n) {
@@ -84,7 +84,7 @@ TEST(Frame, has_the_checks_of_the_text_at_every_length) {
     }
 }
 
-TEST(Frame, may_be_empty_or_as_large_as_LEN_can_say) {
+TEST(Frame, can_be_empty_or_as_large_as_LEN_can_express) {
     for (const std::size_t size : {std::size_t{0}, std::size_t{1}, std::size_t{256}, ano::max_len}) {
         const Bytes bytes = support::frame(1, 2, 3, Bytes(size, 0x5A));
         ASSERT_EQ(bytes.size(), ano::overhead + size);
@@ -129,13 +129,13 @@ TEST(Encode, writes_nothing_without_room_for_all_of_it) {
     EXPECT_EQ(ano::encode(out, 1, 2, 3, Bytes(9)), out.size());
 }
 
-TEST(Encode, refuses_data_that_LEN_cannot_say) {
+TEST(Encode, rejects_data_longer_than_LEN_can_express) {
     Bytes out(ano::max_frame_size + 1);
     EXPECT_EQ(ano::encode(out, 1, 2, 3, Bytes(ano::max_len + 1)), 0u);
     EXPECT_EQ(ano::encode(out, 1, 2, 3, Bytes(ano::max_len)), ano::max_frame_size);
 }
 
-TEST(Seal, makes_a_changed_frame_good_again) {
+TEST(Seal, makes_a_changed_frame_valid_again) {
     Bytes bytes = vendor_frames[0];
     bytes[1] = 0x1E;
     EXPECT_FALSE(ano::frame_at(bytes));

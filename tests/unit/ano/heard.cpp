@@ -37,14 +37,14 @@ TEST(Heard, knows_that_a_scan_is_of_free_length_and_a_distance_is_not) {
         EXPECT_EQ(ano::is_of_free_length(0x34, static_cast<std::uint8_t>(type)), type == 100) << "type " << type;
 }
 
-TEST(Heard, makes_nothing_credible_but_tunnel_frames_at_first) {
+TEST(Heard, trusts_only_tunnel_frames_at_first) {
     const Heard heard;
     for (unsigned id = 0; id < 256; ++id)
         EXPECT_EQ(credible(heard, 0xDC, static_cast<std::uint8_t>(id), 20), id == 0xB1 || id == 0xB2) << "id " << id;
     EXPECT_FALSE(heard.source(0xDC));
 }
 
-TEST(Heard, makes_a_source_credible_with_ids_of_free_length_and_with_what_was_heard) {
+TEST(Heard, trusts_a_seen_source_with_ids_of_variable_length_and_with_seen_lengths) {
     Heard heard;
     note(heard, support::frame(0xDC, 0xFE, 0x01, Bytes(13)));
     note(heard, support::frame(0xDE, 0xFE, 0x01, Bytes(7)));

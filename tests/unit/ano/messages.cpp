@@ -106,7 +106,7 @@ TEST(Messages, are_found_by_id_and_by_name) {
     }
 }
 
-TEST(Messages, say_what_values_mean) {
+TEST(Messages, have_the_meanings_of_their_values) {
     EXPECT_EQ(find_message("mode")->field("sflag")->meaning(2), "airborne");
     EXPECT_EQ(find_message("module_status")->field("sta_gps")->meaning(3), "good");
     EXPECT_EQ(find_message("module_status")->field("sta_g_vel")->meaning(3), "");
@@ -122,7 +122,7 @@ TEST(Messages, say_what_values_mean) {
     EXPECT_EQ(codes.size(), 10u);
 }
 
-TEST(Messages, tell_which_are_acknowledged) {
+TEST(Messages, show_which_of_them_are_acknowledged) {
     std::map<std::string, Acknowledged> told;
     for (const Message& row : messages)
         if (acknowledged(row) != Acknowledged::no)
@@ -141,7 +141,7 @@ Ids with(Ids ids, unsigned first, unsigned last) {
     return ids;
 }
 
-TEST(Traffic, is_as_the_protocol_text_says_for_every_id) {
+TEST(Traffic, classes_of_every_id_match_the_protocol_text) {
     const Ids urgent = with(with({0x00, 0x40, 0x41, 0x60, 0x61, 0xF0}, 0xC0, 0xC2), 0xE0, 0xE3);
     const Ids telemetry = with(with({0x20, 0x21, 0x51, 0xA0, 0xA1}, 0x01, 0x0F), 0x30, 0x35);
     const Ids same_id = with(with({0x20, 0x21, 0x40, 0x41}, 0x01, 0x0F), 0x30, 0x33);

@@ -23,7 +23,7 @@ TEST(FrameParser, passes_the_vendors_bytes_unchanged) {
     EXPECT_EQ(line.counters().skipped_bytes, 0u);
 }
 
-TEST(FrameParser, finds_frames_however_they_are_cut) {
+TEST(FrameParser, finds_frames_however_they_are_split) {
     const Frames sent{numbered(1), support::frame(1, 2, 3), support::frame(1, 2, 3, Bytes(5, ano::head)), numbered(2)};
     Bytes all;
     for (const auto& frame : sent) all = all + frame;
@@ -40,14 +40,14 @@ TEST(FrameParser, finds_frames_however_they_are_cut) {
     }
 }
 
-TEST(FrameParser, accepts_no_data_at_all) {
+TEST(FrameParser, accepts_only_frames_without_data_if_max_data_is_0) {
     Line line{{.max_data = 0}};
     line.put(support::frame(1, 2, 3) + support::frame(1, 2, 3, {0}) + support::frame(4, 5, 6));
     EXPECT_EQ(line.frames, (Frames{support::frame(1, 2, 3), support::frame(4, 5, 6)}));
     EXPECT_EQ(line.counters().bad_length, 1u);
 }
 
-TEST(FrameParser, accepts_the_largest_frames_one_behind_the_other) {
+TEST(FrameParser, accepts_the_largest_frames_in_succession) {
     Line line{{.max_data = 65535}};
     const Bytes largest = support::frame(1, 2, 0xB0, Bytes(65535, 0x5A));
     for (int i = 0; i < 5; ++i) {
@@ -70,14 +70,14 @@ TEST(FrameParser, refuses_more_than_max_data_from_the_header_alone) {
     EXPECT_TRUE(std::ranges::equal(line.parser.rest(), header(20)));
 }
 
-TEST(FrameParser, keeps_a_max_data_that_LEN_cannot_say_within_what_it_can) {
+TEST(FrameParser, limits_max_data_to_the_largest_LEN) {
     Line line{{.max_data = SIZE_MAX}};
     const Bytes largest = support::frame(1, 2, 0xB0, Bytes(65535, 0x5A));
     line.put(largest);
     EXPECT_EQ(line.frames, Frames{largest});
 }
 
-TEST(FrameParser, gives_views_that_last_until_the_next_prepare) {
+TEST(FrameParser, returns_views_that_stay_valid_until_the_next_prepare) {
     FrameParser parser{{}};
     const Bytes two = numbered(1) + numbered(2);
     std::ranges::copy(two, parser.prepare().data());
@@ -102,7 +102,7 @@ TEST(FrameParser, looks_again_one_byte_after_a_refused_candidate) {
     EXPECT_EQ(line.counters().skipped_bytes, 4u);
 }
 
-TEST(FrameParser, finds_a_good_frame_inside_a_bad_one) {
+TEST(FrameParser, finds_a_valid_frame_inside_an_invalid_one) {
     for (const std::size_t before : {0u, 1u, 7u, 100u}) {
         Bytes bad = support::frame(1, 2, 3, Bytes(before) + numbered(1) + numbered(2) + Bytes(9));
         bad.back() ^= 1;
@@ -114,7 +114,7 @@ TEST(FrameParser, finds_a_good_frame_inside_a_bad_one) {
     }
 }
 
-TEST(FrameParser, finds_a_good_frame_behind_many_candidates_that_overlap) {
+TEST(FrameParser, finds_a_valid_frame_after_many_overlapping_candidates) {
     // All of them extend beyond the valid frame; the last one extends into the bytes after it.
     Bytes bytes;
     for (std::size_t i = 0; i < 40; ++i) bytes = bytes + header(300 - 6 * i + i % 5);
@@ -127,7 +127,7 @@ TEST(FrameParser, finds_a_good_frame_behind_many_candidates_that_overlap) {
     }
 }
 
-TEST(FrameParser, takes_the_largest_frame_behind_a_refused_one) {
+TEST(FrameParser, accepts_the_largest_frame_after_a_rejected_one) {
     constexpr std::size_t max_data = 100;
     Bytes refused = numbered(1);
     ++refused.back();
@@ -140,7 +140,7 @@ TEST(FrameParser, takes_the_largest_frame_behind_a_refused_one) {
     }
 }
 
-TEST(FrameParser, finds_a_frame_among_heads_however_near_its_end_it_is_cut) {
+TEST(FrameParser, finds_a_frame_among_heads_however_near_its_end_it_is_split) {
     constexpr std::size_t length_of_heads = 0xABAB;
     const Bytes heads(300, ano::head);
     for (const Bytes& frame : {support::frame(1, 2, 3, Bytes(200, ano::head)),
@@ -168,7 +168,7 @@ TEST(FrameParser, finds_a_frame_among_heads_wherever_it_begins) {
     }
 }
 
-TEST(FrameParser, loses_none_of_8_good_frames_behind_a_false_header_80_times) {
+TEST(FrameParser, loses_none_of_8_valid_frames_after_a_false_header_80_times) {
     for (const std::size_t at_once : {1u, 10u, 64u, 4096u}) {
         Line line;
         Frames sent;
@@ -186,7 +186,7 @@ TEST(FrameParser, loses_none_of_8_good_frames_behind_a_false_header_80_times) {
     }
 }
 
-TEST(FrameParser, loses_none_of_80_good_frames_in_10_groups_with_a_pause_behind_each) {
+TEST(FrameParser, loses_none_of_80_valid_frames_in_10_groups_with_a_pause_after_each) {
     Line line;
     Frames sent;
     for (unsigned i = 0; i < 10; ++i) {
@@ -224,7 +224,7 @@ TEST(FrameParser, counts_each_cause) {
 
 // --- Padding
 
-TEST(FrameParser, zeros_are_padding_only_right_behind_a_frame) {
+TEST(FrameParser, treats_zeros_as_padding_only_directly_after_a_frame) {
     Line line{{.zero_padding = true}};
     line.put(numbered(1) + Bytes(5));
     EXPECT_EQ(line.counters().skipped_bytes, 0u);

@@ -5,7 +5,7 @@ using namespace parsing;
 namespace parser_datagrams_tests {
 namespace {
 
-TEST(FrameParser, continues_what_a_datagram_left_over) {
+TEST(FrameParser, continues_a_partial_frame_of_the_previous_datagram) {
     Line line;
     line.put_datagram(numbered(1) + begin_of(numbered(2), 7));
     line.pass(99ms);
@@ -14,7 +14,7 @@ TEST(FrameParser, continues_what_a_datagram_left_over) {
     EXPECT_EQ(line.counters().skipped_bytes, 0u);
 }
 
-TEST(FrameParser, abandons_what_a_datagram_left_over_100_ms_ago) {
+TEST(FrameParser, abandons_a_partial_frame_of_a_datagram_after_100_ms) {
     Line line;
     line.put_datagram(begin_of(numbered(2), 7));
     line.pass(100ms);
@@ -23,7 +23,7 @@ TEST(FrameParser, abandons_what_a_datagram_left_over_100_ms_ago) {
     EXPECT_EQ(line.counters().expired, 1u);
 }
 
-TEST(FrameParser, abandons_what_is_left_over_when_a_datagram_starts_with_a_whole_good_frame) {
+TEST(FrameParser, abandons_a_partial_frame_when_a_datagram_starts_with_a_complete_valid_frame) {
     Line line;
     line.put_datagram(begin_of(numbered(1), 7));
     line.put_datagram(numbered(2) + begin_of(numbered(3), 7));
@@ -33,7 +33,7 @@ TEST(FrameParser, abandons_what_is_left_over_when_a_datagram_starts_with_a_whole
     EXPECT_EQ(line.frames, (Frames{numbered(2), numbered(3)}));
 }
 
-TEST(FrameParser, keeps_what_is_left_over_when_a_datagram_starts_with_a_frame_larger_than_max_data) {
+TEST(FrameParser, keeps_a_partial_frame_when_a_datagram_starts_with_a_frame_larger_than_max_data) {
     // The rest of the outer frame is the beginning of an inner one that is valid, but too large.
     Line line{{.max_data = 40}};
     const Bytes outer = support::frame(1, 2, 3, Bytes(10) + header(41) + Bytes(24));
@@ -46,7 +46,7 @@ TEST(FrameParser, keeps_what_is_left_over_when_a_datagram_starts_with_a_frame_la
     EXPECT_EQ(line.frames, Frames{outer});
 }
 
-TEST(FrameParser, exposes_the_frames_inside_an_abandoned_left_over) {
+TEST(FrameParser, finds_the_frames_inside_an_abandoned_partial_frame) {
     const Tunnel tunnel;
     for (const ano::Duration pause : {ano::Duration{1ms}, ano::Duration{100ms}}) {
         Line line;
@@ -58,7 +58,7 @@ TEST(FrameParser, exposes_the_frames_inside_an_abandoned_left_over) {
     }
 }
 
-TEST(FrameParser, joins_no_candidate_inside_an_abandoned_left_over_with_the_next_datagram) {
+TEST(FrameParser, does_not_join_a_candidate_inside_an_abandoned_partial_frame_with_the_next_datagram) {
     Line line;
     line.put_datagram(header(200) + begin_of(numbered(1), 10));
     line.pass(100ms);
@@ -67,7 +67,7 @@ TEST(FrameParser, joins_no_candidate_inside_an_abandoned_left_over_with_the_next
     EXPECT_EQ(line.counters().expired, 2u);
 }
 
-TEST(FrameParser, takes_a_datagram_larger_than_its_room_in_pieces) {
+TEST(FrameParser, parses_a_datagram_larger_than_its_buffer_in_parts) {
     Line line{{.max_data = 20}};
     Frames sent;
     Bytes datagram;
@@ -79,7 +79,7 @@ TEST(FrameParser, takes_a_datagram_larger_than_its_room_in_pieces) {
     EXPECT_EQ(line.counters().skipped_bytes, 15u);
 }
 
-TEST(FrameParser, takes_a_datagram_of_60_frames) {
+TEST(FrameParser, parses_a_datagram_of_60_frames) {
     Frames sent;
     Bytes datagram;
     for (unsigned i = 0; i < 60; ++i) datagram = datagram + sent.emplace_back(numbered(i));
@@ -91,7 +91,7 @@ TEST(FrameParser, takes_a_datagram_of_60_frames) {
     }
 }
 
-TEST(FrameParser, takes_an_empty_datagram_for_nothing) {
+TEST(FrameParser, ignores_an_empty_datagram) {
     Line line;
     line.put_datagram({});
     line.put_datagram(begin_of(numbered(1), 7));

@@ -18,7 +18,7 @@ struct HeardLine : Line {
 
 const Bytes pair_of_frames = numbered(1) + numbered(2);
 
-TEST(FrameParser, lets_two_good_frames_in_a_row_pass_a_header_from_a_stranger) {
+TEST(FrameParser, delivers_two_valid_frames_in_a_row_after_a_header_from_an_unknown_sender) {
     for (const std::size_t at_once : {1u, 5u, 1000u}) {
         HeardLine line;
         line.put(header(1000, stranger) + begin_of(pair_of_frames, 41), at_once);
@@ -31,7 +31,7 @@ TEST(FrameParser, lets_two_good_frames_in_a_row_pass_a_header_from_a_stranger) {
     }
 }
 
-TEST(FrameParser, lets_them_pass_when_other_bytes_stand_before_them) {
+TEST(FrameParser, delivers_two_frames_in_a_row_after_other_bytes) {
     for (const std::size_t at_once : {1u, 5u, 1000u}) {
         HeardLine line;
         line.put(header(4000, stranger) + Bytes(100) + numbered(3) + Bytes(7, ano::head) + numbered(4) + Bytes(1), at_once);
@@ -41,7 +41,7 @@ TEST(FrameParser, lets_them_pass_when_other_bytes_stand_before_them) {
     }
 }
 
-TEST(FrameParser, lets_them_pass_whatever_number_of_headers_stands_before_them) {
+TEST(FrameParser, delivers_two_frames_in_a_row_after_any_number_of_headers) {
     for (const std::size_t at_once : {1u, 1000u}) {
         HeardLine line;
         for (std::size_t i = 0; i < 100; ++i) line.put(header(2000 + 7 * i, i % 2 ? stranger : 0xDC), at_once);
@@ -51,7 +51,7 @@ TEST(FrameParser, lets_them_pass_whatever_number_of_headers_stands_before_them) 
     }
 }
 
-TEST(FrameParser, lets_them_pass_when_false_headers_in_their_DATA_end_where_they_end) {
+TEST(FrameParser, delivers_two_frames_in_a_row_if_false_headers_in_their_DATA_end_where_they_end) {
     const auto holding = [](const Bytes& inner) { return support::frame(0xDC, 0xFE, 0x01, inner); };
     const Bytes first = holding(header(7) + header(1) + Bytes(1));
     const Bytes second = holding(Bytes{9} + header(5) + Bytes(5));
@@ -61,7 +61,7 @@ TEST(FrameParser, lets_them_pass_when_false_headers_in_their_DATA_end_where_they
 }
 
 // The candidate begins one byte before the two frames, and would end one byte after them: its LEN is the id of the first.
-TEST(FrameParser, lets_two_frames_pass_that_fill_the_candidate_but_for_one_byte_at_each_end) {
+TEST(FrameParser, delivers_two_frames_that_fill_the_candidate_except_for_one_byte_at_each_end) {
     const Bytes first = support::frame(0xDC, 0xFE, 23), second = numbered(1);
     HeardLine line;
     line.put(Bytes{ano::head} + first + second);
@@ -69,7 +69,7 @@ TEST(FrameParser, lets_two_frames_pass_that_fill_the_candidate_but_for_one_byte_
     EXPECT_EQ(line.counters().expired, 1u);
 }
 
-TEST(FrameParser, lets_no_single_frame_pass_a_header_nor_two_that_are_apart) {
+TEST(FrameParser, does_not_abandon_a_header_for_a_single_frame_or_two_separate_ones) {
     HeardLine line;
     line.put(header(1000, stranger) + numbered(1) + Bytes(1) + numbered(2) + Bytes(1));
     EXPECT_TRUE(line.frames.empty());
@@ -78,7 +78,7 @@ TEST(FrameParser, lets_no_single_frame_pass_a_header_nor_two_that_are_apart) {
     EXPECT_EQ(line.frames, (Frames{numbered(1), numbered(2)}));
 }
 
-TEST(FrameParser, lets_no_frames_pass_that_are_damaged_or_from_strangers) {
+TEST(FrameParser, does_not_abandon_a_header_for_frames_that_are_damaged_or_from_unknown_senders) {
     Bytes damaged = numbered(2);
     damaged[10] ^= 1;
     Bytes of_wrong_add = numbered(2);    // its other check is right, so it is examined
@@ -92,7 +92,7 @@ TEST(FrameParser, lets_no_frames_pass_that_are_damaged_or_from_strangers) {
 }
 
 // Its source is known, but a bit of LEN was flipped.
-TEST(FrameParser, lets_frames_pass_a_header_whose_LEN_is_more_than_was_heard) {
+TEST(FrameParser, delivers_frames_after_a_header_whose_LEN_is_larger_than_any_seen) {
     for (unsigned bit = 0; bit < 12; ++bit) {
         const std::size_t length = 13u ^ 1u << bit;
         if (length < 13) continue;
@@ -106,7 +106,7 @@ TEST(FrameParser, lets_frames_pass_a_header_whose_LEN_is_more_than_was_heard) {
     }
 }
 
-TEST(FrameParser, waits_for_a_LEN_that_was_heard) {
+TEST(FrameParser, waits_for_a_header_with_a_LEN_that_was_seen) {
     const Bytes longer = support::frame(0xDC, 0xFE, 0x01, Bytes(60));
     HeardLine line;
     line.put(header(60) + pair_of_frames);
@@ -119,7 +119,7 @@ TEST(FrameParser, waits_for_a_LEN_that_was_heard) {
     EXPECT_EQ(line.frames.size(), 4u);
 }
 
-TEST(FrameParser, waits_as_long_as_ever_where_nothing_was_heard) {
+TEST(FrameParser, waits_for_the_full_timeout_if_no_frame_was_seen) {
     Line line;
     line.put(header(1000) + numbered(1) + numbered(2) + numbered(3));
     EXPECT_TRUE(line.frames.empty());
@@ -127,7 +127,7 @@ TEST(FrameParser, waits_as_long_as_ever_where_nothing_was_heard) {
 }
 
 // After a header that gives way there may be an incomplete frame: that one waits for its rest.
-TEST(FrameParser, gives_way_one_candidate_at_a_time) {
+TEST(FrameParser, abandons_one_candidate_at_a_time) {
     const Bytes log = support::frame(0xDC, 0xFE, 0xA0, Bytes(10) + pair_of_frames + Bytes(300));
     for (std::size_t cut = ano::overhead; cut < log.size(); ++cut) {
         HeardLine line;
@@ -138,7 +138,7 @@ TEST(FrameParser, gives_way_one_candidate_at_a_time) {
     }
 }
 
-TEST(FrameParser, keeps_what_it_heard_over_the_end_of_input) {
+TEST(FrameParser, keeps_the_seen_sources_and_lengths_after_the_end_of_input) {
     HeardLine line;
     line.finish();
     line.put_datagram(begin_of(numbered(3), 7));
@@ -158,7 +158,7 @@ struct FloodedLine : HeardLine {
     }
 };
 
-TEST(FrameParser, looks_for_no_two_frames_in_a_row_behind_more_headers_than_good_frames_paid_for) {
+TEST(FrameParser, searches_for_two_frames_in_a_row_only_with_credit_from_valid_frames) {
     FloodedLine line;
     line.put(header(1000, stranger) + pair_of_frames + pair_of_frames);
     EXPECT_TRUE(line.frames.empty());
@@ -167,7 +167,7 @@ TEST(FrameParser, looks_for_no_two_frames_in_a_row_behind_more_headers_than_good
     EXPECT_EQ(line.frames.size(), 4u);
 }
 
-TEST(FrameParser, looks_for_them_again_when_good_frames_have_paid_for_it) {
+TEST(FrameParser, searches_for_two_frames_in_a_row_again_after_enough_valid_frames) {
     for (const unsigned good : {4u, 5u}) {    // of 21 bytes, for two examinations and a header that gives way
         FloodedLine line;
         for (unsigned i = 0; i < good; ++i) line.put(numbered(i));
@@ -176,7 +176,7 @@ TEST(FrameParser, looks_for_them_again_when_good_frames_have_paid_for_it) {
     }
 }
 
-TEST(FrameParser, has_every_header_that_gives_way_paid_for) {
+TEST(FrameParser, needs_credit_from_valid_frames_for_every_header_it_abandons) {
     for (const unsigned good : {7u, 8u}) {    // for three examinations and two headers that give way
         FloodedLine line;
         for (unsigned i = 0; i < good; ++i) line.put(numbered(i));
@@ -185,7 +185,7 @@ TEST(FrameParser, has_every_header_that_gives_way_paid_for) {
     }
 }
 
-TEST(FrameParser, finds_two_in_a_row_among_what_it_could_not_look_at_when_it_came) {
+TEST(FrameParser, finds_two_frames_in_a_row_later_in_bytes_that_it_could_not_examine_at_once) {
     FloodedLine line;
     for (unsigned i = 0; i < 2; ++i) line.put(numbered(i));    // they pay for one examination
     Bytes good;
@@ -198,7 +198,7 @@ TEST(FrameParser, finds_two_in_a_row_among_what_it_could_not_look_at_when_it_cam
     EXPECT_EQ(line.counters().expired, 1u);
 }
 
-TEST(FrameParser, saves_what_good_frames_pay_up_to_a_limit) {
+TEST(FrameParser, stores_credit_from_valid_frames_up_to_a_limit) {
     HeardLine line;
     for (unsigned i = 0; i < 4000; ++i) line.put(numbered(i));
     line.frames.clear();
@@ -217,7 +217,7 @@ struct Outer {
 class KnownSender : public testing::TestWithParam<Outer> {};
 
 // The first frame of a known sender with an id of any length, and tunnel frames of any sender.
-TEST_P(KnownSender, has_no_frames_taken_out_of_its_DATA) {
+TEST_P(KnownSender, keeps_frames_inside_its_DATA) {
     const auto& [name, source, id, begin] = GetParam();
     const Bytes inner = numbered(1) + numbered(2) + numbered(3) + support::frame(0xDC, 0xFE, 0xA0, {1, 'a'});
     const Bytes outer = support::frame(source, 0xFE, id, begin + inner + Bytes{0, ano::head, 0xAA} + inner);
@@ -258,7 +258,7 @@ INSTANTIATE_TEST_SUITE_P(sends, KnownSender,
                          [](const auto& test) { return test.param.name; });
 
 // The limit of the rule: a long frame of an unknown sender can't be distinguished from a false header.
-TEST(FrameParser, takes_the_frames_out_of_a_strangers_first_frame_when_it_comes_in_pieces) {
+TEST(FrameParser, delivers_the_inner_frames_of_an_unknown_senders_first_frame_if_it_arrives_in_parts) {
     const Bytes log = support::frame(stranger, 0xFE, 0xA0, Bytes(1) + pair_of_frames + Bytes(10));
     HeardLine whole;
     whole.put(log);

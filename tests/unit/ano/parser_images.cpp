@@ -21,7 +21,7 @@ Bytes picture(std::uint8_t color = 0, std::uint16_t width = 160, std::uint16_t h
     return support::frame(0xDF, 0xFE, ano::image_id, data);
 }
 
-TEST(ParserImages, an_image_of_19217_bytes_passes_by_default_however_it_is_cut) {
+TEST(ParserImages, an_image_of_19217_bytes_passes_by_default_however_it_is_split) {
     for (const std::size_t at_once : {std::size_t{1}, std::size_t{7}, std::size_t{64}, std::size_t{5000}, SIZE_MAX}) {
         Line line;
         line.put(numbered(1) + picture() + numbered(2) + picture(), at_once);
@@ -33,7 +33,7 @@ TEST(ParserImages, an_image_of_19217_bytes_passes_by_default_however_it_is_cut) 
     EXPECT_EQ(datagrams.frames, Frames{picture()});
 }
 
-TEST(ParserImages, a_small_max_data_is_for_images_too) {
+TEST(ParserImages, a_small_max_data_applies_to_images_too) {
     Line line{{.max_data = 255}};
     line.put(picture() + numbered(1));
     EXPECT_EQ(line.frames, Frames{numbered(1)});
@@ -52,7 +52,7 @@ TEST(ParserImages, an_image_of_bits_may_have_rows_of_width_over_8_rounded_either
 }
 
 // As for all other frames: later frames must not wait for the 20,000 bytes that a false header claims.
-TEST(ParserImages, a_header_whose_pixels_are_no_rows_of_its_image_is_refused_as_soon_as_that_is_seen) {
+TEST(ParserImages, a_header_whose_pixel_count_does_not_fit_its_rows_is_rejected_immediately) {
     for (const Bytes& wrong : {picture(7), picture(0, 0), picture(0, 160, 0), picture(0, 161), picture(0, 160, 30)}) {
         Line line;
         line.put(begin_of(wrong, ano::image_head_size));
@@ -74,7 +74,7 @@ TEST(ParserImages, a_header_without_its_image_waits_no_longer_than_one_of_anothe
     EXPECT_EQ(line.parser.deadline(), begun + 200ms + ano::Duration{std::chrono::seconds{8 + 4096}} / 11'520);
 }
 
-TEST(ParserImages, an_image_that_breaks_off_holds_the_line_for_its_own_time_at_most) {
+TEST(ParserImages, an_incomplete_image_blocks_the_line_for_at_most_its_transmission_time) {
     Line line{{.line_rate = 11'520}};
     line.put(numbered(1) + picture() + begin_of(picture(), 2000));
     const auto begun = line.now;
@@ -89,14 +89,14 @@ TEST(ParserImages, an_image_that_breaks_off_holds_the_line_for_its_own_time_at_m
 }
 
 // Frames of known senders free the line sooner if the image is not credible because its address is unknown.
-TEST(ParserImages, an_image_of_a_stranger_gives_way_to_two_good_frames) {
+TEST(ParserImages, an_image_of_an_unknown_sender_is_abandoned_for_two_valid_frames) {
     Line line;
     line.put(numbered(1) + begin_of(picture(), 100) + numbered(2) + numbered(3));
     EXPECT_EQ(line.frames, (Frames{numbered(1), numbered(2), numbered(3)}));
 }
 
 // 20 ports of a gateway: memory is touched only for images.
-TEST(ParserImages, a_busy_line_without_images_uses_the_buffer_that_it_had) {
+TEST(ParserImages, a_busy_line_without_images_does_not_use_more_of_the_buffer) {
     FrameParser parser{{}};
     const std::uint8_t* const first = parser.prepare().data();
     std::size_t reach = 0;

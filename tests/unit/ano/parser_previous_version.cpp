@@ -5,7 +5,7 @@ using namespace parsing;
 namespace parser_previous_version_tests {
 namespace {
 
-TEST(FrameParser, sees_frames_of_the_previous_version_however_they_are_cut) {
+TEST(FrameParser, detects_frames_of_the_previous_version_however_they_are_split) {
     const Bytes one = v7_frame(0x03, {1, 2, 3, 4, 5, 6, 0xAB});
     for (std::size_t at_once = 1; at_once < 2 * one.size(); ++at_once) {
         Line line;
@@ -16,7 +16,7 @@ TEST(FrameParser, sees_frames_of_the_previous_version_however_they_are_cut) {
     }
 }
 
-TEST(FrameParser, sees_no_frame_of_the_previous_version_where_a_check_is_wrong) {
+TEST(FrameParser, detects_no_frame_of_the_previous_version_with_a_wrong_checksum) {
     for (const std::size_t back : {1u, 2u}) {
         Bytes bad = v7_frame(0x03, {1, 2, 3});
         bad[bad.size() - back] ^= 1;
@@ -28,13 +28,13 @@ TEST(FrameParser, sees_no_frame_of_the_previous_version_where_a_check_is_wrong) 
     }
 }
 
-TEST(FrameParser, sees_no_frame_of_the_previous_version_in_the_data_of_a_good_one) {
+TEST(FrameParser, detects_no_frame_of_the_previous_version_in_the_data_of_a_valid_frame) {
     Line line;
     for (int i = 0; i < 10; ++i) line.put(support::frame(1, 2, 3, v7_frame(0x03, {1, 2, 3})));
     EXPECT_EQ(line.counters().v7_frames, 0u);
 }
 
-TEST(FrameParser, sees_no_frame_of_the_previous_version_around_a_good_one) {
+TEST(FrameParser, detects_no_frame_of_the_previous_version_around_a_valid_frame) {
     const Bytes one = v7_frame(0x03, {1, 2, 3, 4, 5, 6});
     for (std::size_t cut = 1; cut < one.size(); ++cut) {
         Line line;

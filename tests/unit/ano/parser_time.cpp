@@ -5,7 +5,7 @@ using namespace parsing;
 namespace parser_time_tests {
 namespace {
 
-TEST(FrameParser, has_no_deadline_while_nothing_waits) {
+TEST(FrameParser, has_no_deadline_while_no_candidate_is_waiting) {
     Line line;
     EXPECT_FALSE(line.parser.deadline());
     line.put(numbered(1) + Bytes{1, 2, 3});
@@ -14,7 +14,7 @@ TEST(FrameParser, has_no_deadline_while_nothing_waits) {
     EXPECT_FALSE(line.parser.expire(line.now));
 }
 
-TEST(FrameParser, delivers_a_good_frame_behind_a_false_header_once_the_line_is_quiet) {
+TEST(FrameParser, delivers_valid_frames_after_a_false_header_once_the_line_is_quiet) {
     Line line;
     line.put(header(1000) + numbered(1) + numbered(2));
     EXPECT_EQ(line.parser.deadline(), line.now + 50ms);
@@ -27,7 +27,7 @@ TEST(FrameParser, delivers_a_good_frame_behind_a_false_header_once_the_line_is_q
     EXPECT_FALSE(line.parser.deadline());
 }
 
-TEST(FrameParser, is_quiet_only_when_nothing_at_all_arrives) {
+TEST(FrameParser, restarts_the_quiet_time_with_every_received_byte) {
     Line line;
     line.put(header(1000) + numbered(1));
     for (int i = 0; i < 10; ++i) {
@@ -39,7 +39,7 @@ TEST(FrameParser, is_quiet_only_when_nothing_at_all_arrives) {
     EXPECT_TRUE(line.frames.empty());
 }
 
-TEST(FrameParser, has_its_own_quiet_time) {
+TEST(FrameParser, uses_the_configured_quiet_time) {
     Line line{{.quiet = 100ms}};
     line.put(header(1000) + numbered(1));
     EXPECT_EQ(line.parser.deadline(), line.now + 100ms);
@@ -49,7 +49,7 @@ TEST(FrameParser, has_its_own_quiet_time) {
     EXPECT_TRUE(line.parser.expire(line.now));
 }
 
-TEST(FrameParser, lets_a_good_frame_arrive_in_slow_pieces) {
+TEST(FrameParser, accepts_a_valid_frame_that_arrives_slowly_in_pieces) {
     Line line;
     const Bytes frame = support::frame(1, 2, 3, Bytes(300, ano::head));
     for (std::size_t i = 0; i < 10; ++i) {
@@ -62,7 +62,7 @@ TEST(FrameParser, lets_a_good_frame_arrive_in_slow_pieces) {
     EXPECT_EQ(line.frames, Frames{frame});
 }
 
-TEST(FrameParser, gives_up_what_is_overdue_after_a_second_where_the_line_rate_is_unknown) {
+TEST(FrameParser, expires_an_overdue_candidate_after_one_second_if_the_line_rate_is_unknown) {
     Line line;
     line.put(header(1000) + Bytes(10));
     const auto began = line.now;
@@ -80,7 +80,7 @@ TEST(FrameParser, gives_up_what_is_overdue_after_a_second_where_the_line_rate_is
     EXPECT_EQ(line.counters().skipped_bytes, 26u);
 }
 
-TEST(FrameParser, gives_up_what_is_overdue_by_the_line_rate_where_it_is_known) {
+TEST(FrameParser, expires_an_overdue_candidate_according_to_a_known_line_rate) {
     Line line{{.line_rate = 1000}};
     line.put(header(92) + Bytes(10));
     const auto began = line.now;
@@ -94,7 +94,7 @@ TEST(FrameParser, gives_up_what_is_overdue_by_the_line_rate_where_it_is_known) {
     EXPECT_EQ(line.parser.waiting(), 0u);
 }
 
-TEST(FrameParser, does_not_wait_for_ever_for_a_header) {
+TEST(FrameParser, stops_waiting_for_the_rest_of_a_header_after_a_timeout) {
     Line line{{.line_rate = 1000}};
     line.put(Bytes{ano::head});
     EXPECT_EQ(line.parser.deadline(), line.now + 50ms);
@@ -104,7 +104,7 @@ TEST(FrameParser, does_not_wait_for_ever_for_a_header) {
     EXPECT_FALSE(line.parser.deadline());
 }
 
-TEST(FrameParser, gives_up_thousands_of_overdue_candidates_in_one_step) {
+TEST(FrameParser, expires_thousands_of_overdue_candidates_in_one_step) {
     Line line{{.max_data = 65535}};
     line.put(Bytes(43000, ano::head));
     line.pass(50ms);
@@ -116,7 +116,7 @@ TEST(FrameParser, gives_up_thousands_of_overdue_candidates_in_one_step) {
     EXPECT_EQ(line.counters().expired, 43000u);
 }
 
-TEST(FrameParser, gives_an_overdue_candidate_no_company_that_is_still_arriving) {
+TEST(FrameParser, expires_an_overdue_candidate_without_dropping_a_frame_that_is_still_arriving) {
     Line line;
     const Tunnel tunnel;
     line.put(header(4000));
@@ -133,7 +133,7 @@ TEST(FrameParser, gives_an_overdue_candidate_no_company_that_is_still_arriving) 
     EXPECT_EQ(line.frames, Frames{tunnel.whole});
 }
 
-TEST(FrameParser, finds_the_end_of_a_candidate_that_was_searched_behind) {
+TEST(FrameParser, delivers_a_candidate_that_is_completed_after_the_search_went_past_it) {
     Line line;
     const Bytes frame = support::frame(1, 2, 3, header(500) + Bytes(200, 0x21) + header(600) + Bytes(400, 7));
     line.put(begin_of(frame, 500));
@@ -143,7 +143,7 @@ TEST(FrameParser, finds_the_end_of_a_candidate_that_was_searched_behind) {
     EXPECT_EQ(line.frames, (Frames{frame, numbered(1)}));
 }
 
-TEST(FrameParser, waits_for_nothing_at_the_end_of_input) {
+TEST(FrameParser, delivers_all_waiting_frames_at_the_end_of_input) {
     Line line;
     line.put(header(4000) + numbered(1) + header(50) + numbered(2) + Bytes{ano::head});
     EXPECT_TRUE(line.frames.empty());
@@ -155,7 +155,7 @@ TEST(FrameParser, waits_for_nothing_at_the_end_of_input) {
     EXPECT_EQ(line.frames.back(), numbered(3));
 }
 
-TEST(FrameParser, joins_nothing_across_the_end_of_input) {
+TEST(FrameParser, does_not_join_a_frame_across_the_end_of_input) {
     Line line;
     line.put(begin_of(numbered(1), 10));
     line.finish();
@@ -164,7 +164,7 @@ TEST(FrameParser, joins_nothing_across_the_end_of_input) {
 }
 
 // A radio that sends a frame in packets: pauses inside a frame are normal there, and a frame waits while its bytes still arrive.
-TEST(FrameParser, lets_a_frame_pause_for_its_frame_gap_also_on_a_fast_line_and_between_datagrams) {
+TEST(FrameParser, allows_pauses_up_to_the_frame_gap_on_fast_lines_and_between_datagrams) {
     const Bytes frame = support::frame(0xDC, 2, 3, Bytes(40) + numbered(7) + Bytes(40));
     for (const bool datagrams : {false, true})
         for (const auto pause : {390ms, 410ms}) {

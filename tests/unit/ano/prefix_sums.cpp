@@ -29,7 +29,7 @@ void expect_the_checks_of(const Bytes& bytes, const PrefixSums& sums, std::size_
     }
 }
 
-TEST(PrefixSums, have_the_checks_of_any_stretch_wherever_they_begin) {
+TEST(PrefixSums, return_the_checksums_of_any_range_for_any_start) {
     const Bytes bytes = random_bytes(400);
     for (std::size_t begin = 0; begin < 40; ++begin) {
         PrefixSums sums{bytes.size()};
@@ -40,7 +40,7 @@ TEST(PrefixSums, have_the_checks_of_any_stretch_wherever_they_begin) {
     }
 }
 
-TEST(PrefixSums, grow_with_what_comes_in) {
+TEST(PrefixSums, grow_with_the_received_bytes) {
     const Bytes bytes = random_bytes(400);
     for (const std::size_t step : {1u, 3u, 16u, 17u, 100u}) {
         PrefixSums sums{bytes.size()};
@@ -51,7 +51,7 @@ TEST(PrefixSums, grow_with_what_comes_in) {
     }
 }
 
-TEST(PrefixSums, stay_when_the_bytes_are_moved_to_the_front) {
+TEST(PrefixSums, remain_valid_when_the_bytes_are_moved_to_the_front) {
     Bytes bytes = random_bytes(400);
     for (const std::size_t distance : {std::size_t{50}, std::size_t{299}, std::size_t{300}}) {
         PrefixSums sums{bytes.size()};
@@ -65,7 +65,7 @@ TEST(PrefixSums, stay_when_the_bytes_are_moved_to_the_front) {
     }
 }
 
-TEST(PrefixSums, begin_anew_when_none_of_their_bytes_is_left) {
+TEST(PrefixSums, restart_when_none_of_their_bytes_are_left) {
     const Bytes bytes = random_bytes(100);
     PrefixSums sums{bytes.size()};
     sums.begin(0);

@@ -20,7 +20,7 @@ namespace {
 using namespace ano;
 using support::frame;
 
-TEST(Reading, walks_the_fields_in_their_order) {
+TEST(Reading, lists_the_fields_in_order) {
     const auto bytes = frame(0xDC, 0xFE, 0x03, {0x7B, 0x00, 0x85, 0xFF, 0x00, 0x80, 2});
     const Reading reading = read(FrameView{bytes});
     ASSERT_TRUE(reading);
@@ -34,7 +34,7 @@ TEST(Reading, walks_the_fields_in_their_order) {
     EXPECT_TRUE(reading.extra().empty());
 }
 
-TEST(Reading, says_why_there_are_no_fields) {
+TEST(Reading, reports_why_there_are_no_fields) {
     const support::Bytes some(6);
     EXPECT_EQ(read(0x77, some).readable(), Readable::unknown_id);
     EXPECT_EQ(read(0x77, some).message(), nullptr);
@@ -49,7 +49,7 @@ TEST(Reading, says_why_there_are_no_fields) {
     EXPECT_EQ(read(0xF1, some).readable(), Readable::unknown_layout);
 }
 
-TEST(Reading, keeps_what_stands_behind_the_layout) {
+TEST(Reading, keeps_the_bytes_after_the_layout_as_extra) {
     const support::Bytes data{1, 2, 3, 4, 5};    // the form in which old devices report the number of their commands
     const Reading reading = read(0xC1, data);
     ASSERT_TRUE(reading);
@@ -59,7 +59,7 @@ TEST(Reading, keeps_what_stands_behind_the_layout) {
 }
 
 // Other bytes may precede the fields, as on some devices.
-TEST(Reading, of_what_is_sent_again_and_again_has_no_length_but_those_of_its_layouts) {
+TEST(Reading, of_a_periodic_message_accepts_only_the_lengths_of_its_layouts) {
     for (const Message& row : messages)
         for (std::size_t more = 1; more < 12; ++more) {
             if (!row.is_base() || is_flexible(row.id)) continue;
@@ -102,7 +102,7 @@ TEST(Reading, never_has_shifted_fields) {
     EXPECT_EQ(readable(0x03, 8, 2), Readable::unknown_layout);
 }
 
-TEST(Reading, of_euler_angles_with_a_mode_is_that_of_the_angles) {
+TEST(Reading, of_euler_angles_with_a_mode_returns_the_angles) {
     const support::Bytes data{1, 0x7B, 0x00, 0x29, 0xEE, 0x4F, 0x46, 2};
     const Reading reading = read(0x03, data);
     ASSERT_TRUE(reading);
@@ -113,7 +113,7 @@ TEST(Reading, of_euler_angles_with_a_mode_is_that_of_the_angles) {
     EXPECT_EQ(reading.number(*reading.field("fusion_sta")), 2);
 }
 
-TEST(Reading, of_a_list_has_its_whole_elements_and_the_rest_as_extra) {
+TEST(Reading, of_a_list_has_its_complete_elements_and_the_remaining_bytes_as_extra) {
     const support::Bytes data{100, 0x39, 0x30, 1, 0, 0x10, 0x27, 2, 0, 9, 8, 7};
     const Reading reading = read(0x34, data);
     ASSERT_TRUE(reading);
@@ -131,7 +131,7 @@ TEST(Reading, prefers_the_mode_to_the_length) {
 }
 
 // The oldest devices put min and max (i32 each) in place of par_type.
-TEST(Reading, tells_an_old_parameter_info_by_its_look) {
+TEST(Reading, recognizes_an_old_parameter_info_by_its_content) {
     const auto info = [](std::uint8_t par_type, support::Bytes min_rest, std::string_view name, std::size_t size) {
         support::Bytes data{1, 0, par_type};
         data.insert(data.end(), min_rest.begin(), min_rest.end());
@@ -153,7 +153,7 @@ TEST(Reading, tells_an_old_parameter_info_by_its_look) {
 }
 
 // A generation of devices between the two has a third i32, the factor of the value.
-TEST(Reading, tells_a_scaled_parameter_info_by_its_look) {
+TEST(Reading, recognizes_a_scaled_parameter_info_by_its_content) {
     const auto info = [](std::int32_t min, std::int32_t max, std::int32_t mul, std::string_view name, std::size_t size = 50) {
         support::Bytes data(14);
         data[0] = 1;
@@ -176,7 +176,7 @@ TEST(Reading, tells_a_scaled_parameter_info_by_its_look) {
     EXPECT_EQ(info(0, 100, 0x504950, "", 60), "old") << "PIP is a name, no factor";
 }
 
-TEST(Reading, no_data_is_nothing_and_as_a_number_not_one) {
+TEST(Reading, returns_nothing_for_no_data_and_nan_as_its_number) {
     const support::Bytes data{0, 0, 0, 0x80, 1, 0, 0, 0, 2, 0, 0, 0};
     const Reading reading = read(0x32, data);
     EXPECT_TRUE(std::holds_alternative<Nothing>(reading.value(reading.fields()[0])));

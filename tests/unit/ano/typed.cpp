@@ -31,7 +31,7 @@ TEST(As, reads_the_fields_of_its_message_in_their_units) {
     EXPECT_EQ(euler->get<"fusion_sta">(), 2);
 }
 
-TEST(As, is_nothing_for_another_message_or_a_short_one) {
+TEST(As, fails_for_another_message_or_a_length_that_does_not_fit) {
     const auto other = frame(1, 2, 0x04, support::Bytes(9));
     const auto too_short = frame(1, 2, 0x03, support::Bytes(6));
     const auto longer = frame(1, 2, 0xC1, support::Bytes(5));
@@ -44,7 +44,7 @@ TEST(As, is_nothing_for_another_message_or_a_short_one) {
     EXPECT_FALSE(as<"euler">(FrameView{of_no_layout}));
 }
 
-TEST(As, takes_a_variant_only_at_exactly_its_length) {
+TEST(As, accepts_a_variant_only_at_its_exact_length) {
     for (const std::size_t size : {4u, 6u, 9u, 11u}) {
         const auto bytes = frame(1, 2, 0x0D, support::Bytes(size));
         EXPECT_EQ(as<"power">(FrameView{bytes}).has_value(), size == 4) << size;
@@ -57,7 +57,7 @@ TEST(As, takes_a_variant_only_at_exactly_its_length) {
     EXPECT_EQ(power->get<"voltage2">(), 5.0);
 }
 
-TEST(As, takes_a_layout_by_its_mode) {
+TEST(As, selects_a_layout_by_its_mode) {
     const auto scan = frame(1, 2, 0x34, {100, 1, 0, 2, 0});
     EXPECT_TRUE((as<"ranging", "scan">(FrameView{scan})));
     EXPECT_FALSE(as<"ranging">(FrameView{scan}));
@@ -71,14 +71,14 @@ TEST(As, takes_a_layout_by_its_mode) {
     EXPECT_EQ((as<"firmware", "reading">(FrameView{erase_high_first})->get<"code">()), 0x0110);
 }
 
-TEST(As, gives_nothing_where_there_is_no_data) {
+TEST(As, returns_no_value_where_there_is_no_data) {
     const auto bytes = frame(1, 2, 0x33, {0x00, 0x80, 5, 0, 0, 0});
     const auto velocity = as<"general_velocity">(FrameView{bytes});
     EXPECT_EQ(velocity->get<"speed_x">(), std::nullopt);
     EXPECT_EQ(velocity->get<"speed_y">(), 5);
 }
 
-TEST(As, gives_text_up_to_its_nul_and_bytes_as_they_are) {
+TEST(As, returns_text_up_to_its_nul_and_bytes_unchanged) {
     support::Bytes data{1, 0, 8, 'G', 'A', 'I', 'N'};
     data.resize(23);
     data.push_back('x');
@@ -111,7 +111,7 @@ TEST(Draft, is_read_as_it_was_filled_in) {
     EXPECT_EQ(gps->get<"alt_gps">(), 0);
 }
 
-TEST(Draft, takes_only_what_the_wire_can_carry) {
+TEST(Draft, accepts_only_values_that_fit_the_wire_type) {
     Draft<"euler"> draft;
     EXPECT_TRUE(draft.set<"rol">(3.0));
     EXPECT_FALSE(draft.set<"rol">(327.68));
@@ -124,13 +124,13 @@ TEST(Draft, takes_only_what_the_wire_can_carry) {
     EXPECT_EQ(as<"euler">(FrameView{out})->get<"fusion_sta">(), 0);
 }
 
-TEST(Draft, writes_nothing_where_there_is_no_room) {
+TEST(Draft, writes_nothing_into_a_buffer_that_is_too_small) {
     std::array<std::uint8_t, 14> out{};
     EXPECT_EQ(Draft<"euler">{}.encode(out, 1, 2), 0u);
     EXPECT_EQ(out, (std::array<std::uint8_t, 14>{}));
 }
 
-TEST(Draft, has_text_of_fixed_and_of_open_length) {
+TEST(Draft, accepts_text_of_fixed_and_of_open_length) {
     Draft<"parameter_info"> draft;
     EXPECT_TRUE(draft.set<"name">("12345678901234567890"));
     EXPECT_FALSE(draft.set<"name">("123456789012345678901"));
@@ -143,7 +143,7 @@ TEST(Draft, has_text_of_fixed_and_of_open_length) {
     EXPECT_EQ(info->get<"info">(), "what it is");
 }
 
-TEST(Draft, refuses_text_that_no_frame_can_carry) {
+TEST(Draft, rejects_text_that_is_too_long_for_a_frame) {
     const std::string most(65534, 'x');
     Draft<"log"> draft;
     EXPECT_TRUE(draft.set<"str">(most));
@@ -162,7 +162,7 @@ TEST(Draft, of_a_variant_is_read_as_that_variant) {
     EXPECT_TRUE((as<"firmware", "written">(FrameView{{out.data(), size}})));
 }
 
-TEST(Draft, can_say_no_data) {
+TEST(Draft, can_mark_a_field_as_having_no_data) {
     Draft<"general_position"> draft;
     EXPECT_TRUE(draft.set<"pos_x">(4));
     draft.clear<"pos_x">();

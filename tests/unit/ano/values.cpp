@@ -7,7 +7,7 @@ namespace {
 
 using namespace ano;
 
-TEST(Values, parameter_types_are_those_of_the_table) {
+TEST(Values, parameter_types_match_the_table) {
     const Field& f = *find_message("parameter_info")->field("par_type");
     for (std::uint64_t value = 0; value < 10; ++value) EXPECT_EQ(name_of(*parameter_type(value)), f.meaning(value));
     EXPECT_EQ(parameter_type(10), Type::text);
@@ -15,7 +15,7 @@ TEST(Values, parameter_types_are_those_of_the_table) {
     EXPECT_EQ(parameter_type(255), std::nullopt);
 }
 
-TEST(Values, types_of_a_commands_values_are_those_of_the_table_but_for_7) {
+TEST(Values, command_value_types_match_the_table_except_for_7) {
     const Field& f = *find_message("command_info")->field("val_type");
     for (const ValueType7 seven : {ValueType7::f32, ValueType7::u64})
         for (std::uint64_t value = 1; value <= 10; ++value)
@@ -28,7 +28,7 @@ TEST(Values, types_of_a_commands_values_are_those_of_the_table_but_for_7) {
     EXPECT_EQ(command_value_type(11, ValueType7::f32), std::nullopt);
 }
 
-TEST(Values, of_a_parameter_have_all_bytes_of_their_type) {
+TEST(Values, of_a_parameter_need_all_bytes_of_their_type) {
     for (const Type type : {Type::u8, Type::i16, Type::f32, Type::f64}) {
         EXPECT_FALSE(is_whole_value(width(type) - 1, type));
         EXPECT_TRUE(is_whole_value(width(type), type));

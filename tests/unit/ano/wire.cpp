@@ -49,7 +49,7 @@ TEST(Wire, a_field_may_have_its_high_byte_first) {
     EXPECT_EQ(at.bytes[0], 0x3F);
 }
 
-TEST(Wire, every_scaled_i16_survives_the_way_to_its_unit_and_back) {
+TEST(Wire, every_scaled_i16_survives_conversion_to_its_unit_and_back) {
     for (const Scale scale : {Scale{100, 1}, Scale{10, 1}, Scale{10000, 1}, Scale{32768, 2000}, Scale{1, 100}}) {
         Field f{"f", i16};
         f.scale = scale;
@@ -62,7 +62,7 @@ TEST(Wire, every_scaled_i16_survives_the_way_to_its_unit_and_back) {
     }
 }
 
-TEST(Wire, refuses_what_the_type_cannot_carry_and_writes_nothing) {
+TEST(Wire, rejects_values_that_the_type_cannot_hold_and_writes_nothing) {
     constexpr Field byte{"b", u8};
     constexpr Field angle{"a", i16, times(100)};
     At at;
@@ -95,7 +95,7 @@ TEST(Wire, integers_of_64_bits_are_exact) {
     EXPECT_EQ(at.put(whole, 9223372036854775808.0), Stored::ok);
 }
 
-TEST(Wire, floats_take_what_is_not_finite_but_no_overflow) {
+TEST(Wire, floats_accept_infinity_and_nan_but_no_overflow) {
     constexpr Field single{"f", f32};
     At at;
     EXPECT_EQ(at.put(single, 1e39), Stored::out_of_range);
@@ -118,7 +118,7 @@ TEST(Wire, no_data_is_the_sentinel_or_nan) {
     EXPECT_TRUE(std::isnan(load<double>(at.bytes.data())));
 }
 
-TEST(Wire, limits_are_told_in_the_unit) {
+TEST(Wire, limits_are_returned_in_the_unit) {
     constexpr Field angle{"a", i16, times(100)};
     EXPECT_EQ(limits_of(angle), (std::pair{-327.68, 327.67}));
     constexpr Field precision{"p", u8, times(1, 100)};

@@ -23,7 +23,7 @@ std::string raw(const std::string& hex) {
     return {bytes.begin(), bytes.end()};
 }
 
-TEST(Decode, hex_in_one_argument_or_many) {
+TEST(Decode, reads_hex_from_one_argument_or_many) {
     const std::string line = "0xDB 0xFE 0xA0 log color=2 str=\"testFun OK!\"\n";
     EXPECT_EQ(anoctl({"decode", log_hex}).out, line);
     std::vector<std::string> words{"decode"};
@@ -33,7 +33,7 @@ TEST(Decode, hex_in_one_argument_or_many) {
     EXPECT_EQ(anoctl(words).err, "");
 }
 
-TEST(Decode, bytes_from_standard_input_and_from_a_file) {
+TEST(Decode, reads_bytes_from_standard_input_and_from_a_file) {
     const support::TempDir folder;
     const std::string file = folder.write("frames.bin", raw(log_hex) + raw(log_hex));
     const std::string line = "0xDB 0xFE 0xA0 log color=2 str=\"testFun OK!\"\n";
@@ -42,7 +42,7 @@ TEST(Decode, bytes_from_standard_input_and_from_a_file) {
     EXPECT_EQ(anoctl({"decode"}, raw(log_hex)).out, line);
 }
 
-TEST(Decode, every_golden_vector_to_its_json_and_encode_takes_that_back) {
+TEST(Decode, turns_every_golden_vector_into_json_that_encode_turns_back) {
     std::string bytes;
     std::string expected;
     std::string hex;
@@ -58,7 +58,7 @@ TEST(Decode, every_golden_vector_to_its_json_and_encode_takes_that_back) {
     EXPECT_EQ(anoctl({"encode", "--raw", "-"}, decoded.out).out, bytes);
 }
 
-TEST(Decode, tells_the_offset_of_what_is_damaged) {
+TEST(Decode, reports_the_offset_of_damaged_bytes) {
     std::string broken = raw(log_hex);
     broken[10] = 'X';
     const auto result = anoctl({"decode", "-"}, "abc" + raw(log_hex) + broken + raw(log_hex) + raw(log_hex).substr(0, 9));
@@ -70,7 +70,7 @@ TEST(Decode, tells_the_offset_of_what_is_damaged) {
               "anoctl: offset 63: 9 bytes outside any frame: truncated frame\n");
 }
 
-TEST(Decode, says_which_check_bytes_would_be_right) {
+TEST(Decode, shows_the_expected_checksum) {
     const auto one = anoctl({"decode", "ABFEFFE00300000000 8B3C"});
     EXPECT_EQ(one.exit, 1);
     EXPECT_EQ(one.err, "anoctl: offset 0: 11 bytes outside any frame: wrong checksum 8B 3C, expected 8B 3B\n");
@@ -84,7 +84,7 @@ TEST(Decode, says_which_check_bytes_would_be_right) {
     EXPECT_NE(several.out, "");
 }
 
-TEST(Decode, says_in_json_too_which_check_bytes_would_be_right) {
+TEST(Decode, shows_the_expected_checksum_in_json_too) {
     const auto json = anoctl({"decode", "--json", log_hex + "ABFEFFE003000000008B3C"});
     EXPECT_NE(json.out.find("\n{\"fault\":\"check\",\"offset\":20,\"hex\":\"abfeffe003000000008b3c\",\"check\":\"8b3c\",\"right_"
                             "check\":\"8b3b\"}\n"),
@@ -101,7 +101,7 @@ TEST(Decode, keeps_no_more_of_a_long_gap_than_it_needs) {
               "anoctl: offset 3145759: 11 bytes outside any frame: wrong checksum 8B 3C, expected 8B 3B\n");
 }
 
-TEST(Decode, a_short_payload_is_data_and_a_word_on_stderr) {
+TEST(Decode, prints_a_short_payload_as_data_and_reports_it_on_stderr) {
     const auto result = anoctl({"encode", "euler", "--data", "0102", "--raw"});
     const auto decoded = anoctl({"decode", "-"}, result.out);
     EXPECT_EQ(decoded.exit, 1);
@@ -109,7 +109,7 @@ TEST(Decode, a_short_payload_is_data_and_a_word_on_stderr) {
     EXPECT_EQ(decoded.err, "anoctl: offset 0: malformed euler: 2 bytes of data, expected at least 7\n");
 }
 
-TEST(Decode, tells_a_length_that_no_layout_has) {
+TEST(Decode, reports_a_length_that_no_layout_has) {
     const auto result = anoctl({"decode", "-"}, anoctl({"encode", "euler", "--data", "000000000000000000", "--raw"}).out);
     EXPECT_EQ(result.exit, 0);
     EXPECT_EQ(result.out, "0xFE 0xFF 0x03 euler data=\"000000000000000000\"\n");
@@ -117,7 +117,7 @@ TEST(Decode, tells_a_length_that_no_layout_has) {
 }
 
 // Received frames have no line on standard error: their own line gives the reason for showing bytes.
-TEST(Decode, a_frame_that_passes_by_with_a_length_that_no_layout_has_is_named_in_its_line) {
+TEST(Decode, reports_a_length_that_no_layout_has_in_the_line_of_a_received_frame) {
     const auto frame = support::frame(0xDC, 0xFE, 0x03, support::Bytes(9));
     for (const bool is_terminal : {false, true}) {
         std::ostringstream out, err;
@@ -137,13 +137,13 @@ TEST(Decode, a_frame_that_passes_by_with_a_length_that_no_layout_has_is_named_in
     }
 }
 
-TEST(Decode, an_unknown_id_is_fine) {
+TEST(Decode, accepts_an_unknown_id) {
     const auto decoded = anoctl({"decode", "-"}, anoctl({"encode", "0x77", "--data", "01", "--raw"}).out);
     EXPECT_EQ(decoded.exit, 0);
     EXPECT_EQ(decoded.out, "0xFE 0xFF 0x77 - data=\"01\"\n");
 }
 
-TEST(Decode, bad_input_gets_words_and_the_right_exit_code) {
+TEST(Decode, reports_bad_input_with_the_right_exit_code) {
     EXPECT_EQ(anoctl({"decode", "AB D"}).exit, 2);
     EXPECT_EQ(anoctl({"decode", "ABC"}).err, "anoctl: odd number of hex digits (3): a byte is two\n");
     EXPECT_EQ(anoctl({"decode", "/no/such/file"}).exit, 2);
@@ -155,14 +155,14 @@ TEST(Decode, bad_input_gets_words_and_the_right_exit_code) {
     EXPECT_EQ(anoctl({"decode", "--jsn"}).exit, 2);
 }
 
-TEST(Decode, reads_gbk_when_asked) {
+TEST(Decode, reads_gbk_on_request) {
     const auto frame = anoctl({"encode", "--raw", "--encoding", "gbk", "log", "str=解锁"});
     EXPECT_EQ(frame.out.size(), 13u);
     EXPECT_EQ(anoctl({"decode", "-", "--encoding", "gbk"}, frame.out).out,
               "0xFE 0xFF 0xA0 log color=0 str=\"解锁\" data=\"00bde2cbf8\"\n");
 }
 
-TEST(Decode, knows_flexible_layouts_from_a_configuration) {
+TEST(Decode, uses_flexible_layouts_from_a_configuration) {
     const support::TempDir folder;
     const std::string config = folder.write("anogate.json", R"({// layouts
         "links": [], "flexible": [{"id": "0xF1", "fields": [{"name": "volts", "type": "i16", "scale": 0.01, "unit": "V"}]}]})");
@@ -183,7 +183,7 @@ TEST(Decode, knows_flexible_layouts_from_a_configuration) {
               "anoctl: --config /dev/zero: not a regular file, but a pipe, socket or device\n");
 }
 
-TEST(Decode, on_a_terminal_has_columns_units_and_meanings_and_obeys_nothing_from_the_wire) {
+TEST(Decode, shows_columns_units_and_meanings_on_a_terminal_and_no_control_characters) {
     const auto mode = anoctl({"encode", "--raw", "mode", "sflag=2", "--from", "0xDC", "--to", "254"});
     EXPECT_EQ(anoctl({"decode"}, mode.out, true).out,
               "0xDC flight controller → 0xFE host              0x06 mode               mode 0         sflag 2 (airborne) "
@@ -197,7 +197,7 @@ TEST(Decode, on_a_terminal_has_columns_units_and_meanings_and_obeys_nothing_from
     EXPECT_EQ(anoctl({"decode"}, hostile.out).out, "0xFE 0xFF 0xA0 log color=0 str=\"\\u001b[2J\\u009b\"\n");
 }
 
-TEST(Decode, takes_0x_before_bytes) {
+TEST(Decode, accepts_0x_before_bytes) {
     const std::string line = "0xDB 0xFE 0xA0 log color=2 str=\"testFun OK!\"\n";
     std::string prefixed;
     for (std::size_t i = 0; i < log_hex.size(); i += 3) prefixed += "0x" + log_hex.substr(i, 2) + ", ";
@@ -208,7 +208,7 @@ TEST(Decode, takes_0x_before_bytes) {
     EXPECT_EQ(anoctl({"decode", "0xAB", "zz"}).err, "anoctl: 'zz' is neither hex digits (two per byte) nor a file\n");
 }
 
-TEST(Decode, takes_hex_text_from_standard_input_and_from_a_file) {
+TEST(Decode, reads_hex_text_from_standard_input_and_from_a_file) {
     const support::TempDir folder;
     const std::string line = "0xDB 0xFE 0xA0 log color=2 str=\"testFun OK!\"\n";
     const std::string file = folder.write("frames.txt", log_hex + "\n\n" + log_hex + "\r\n");
@@ -226,7 +226,7 @@ TEST(Decode, takes_hex_text_from_standard_input_and_from_a_file) {
               "anoctl: standard input: line 3: the input started as hex digits, but this line contains other characters\n");
 }
 
-TEST(Decode, says_which_character_is_not_hex) {
+TEST(Decode, names_the_characters_that_are_not_hex) {
     EXPECT_EQ(anoctl({"decode", "AB", "FX"}).err, "anoctl: 'FX' is neither hex digits (two per byte) nor a file\n");
     for (const char separator : {':', '-'}) {
         const std::string word = std::string{"AB"} + separator + "FE";
@@ -235,7 +235,7 @@ TEST(Decode, says_which_character_is_not_hex) {
     }
 }
 
-TEST(Decode, says_when_text_was_read_as_raw_bytes) {
+TEST(Decode, reports_text_that_was_read_as_raw_bytes) {
     const auto words = anoctl({"decode", "-"}, "AB FE\nsome words\n");
     EXPECT_EQ(words.exit, 1);
     EXPECT_NE(words.err.find("anoctl: standard input: line 2 is not hex text"), std::string::npos) << words.err;
@@ -246,7 +246,7 @@ TEST(Decode, says_when_text_was_read_as_raw_bytes) {
         << "headers of frames";
 }
 
-TEST(Decode, takes_text_for_gbk_where_it_is_not_utf8) {
+TEST(Decode, reads_text_that_is_not_utf8_as_gbk) {
     const std::string gbk = "AB DC FE A0 05 00 00 BD E2 CB F8 8C 2A";
     EXPECT_EQ(anoctl({"decode", gbk}).out, "0xDC 0xFE 0xA0 log color=0 str=\"解锁\" data=\"00bde2cbf8\"\n");
     EXPECT_NE(anoctl({"decode", "--json", gbk}).out.find("\"str\":\"解锁\""), std::string::npos);
@@ -276,7 +276,7 @@ TEST(Decode, shows_ids_and_addresses_in_hex) {
               std::string::npos);
 }
 
-TEST(Decode, knows_the_parameter_info_of_old_devices) {
+TEST(Decode, reads_the_parameter_info_of_old_devices) {
     EXPECT_EQ(anoctl({"decode",
                       "AB DC FE E2 22 00 05 00 00 00 00 00 E8 03 00 00 50 49 44 5F 50 00 00 00 00 00 00 00 00 "
                       "00 00 00 00 00 00 00 67 61 69 6E A4 AE"})
@@ -284,7 +284,7 @@ TEST(Decode, knows_the_parameter_info_of_old_devices) {
               "0xDC 0xFE 0xE2 parameter_info par_id=5 min=0 max=1000 name=\"PID_P\" info=\"gain\"\n");
 }
 
-TEST(Decode, on_a_terminal_says_what_types_a_command_has) {
+TEST(Decode, shows_the_value_types_of_a_command_on_a_terminal) {
     const auto info = anoctl({"encode", "--raw", "command_info", "val_type=3,7,0,10"});
     const auto shown = [&](std::vector<std::string> words) {
         words.insert(words.begin(), "decode");
@@ -299,7 +299,7 @@ TEST(Decode, on_a_terminal_says_what_types_a_command_has) {
     EXPECT_EQ(made.out, anoctl({"encode", "command_info", "val_type=3,7"}).out);
 }
 
-TEST(Decode, on_a_terminal_tells_the_battery_from_the_controller_supply) {
+TEST(Decode, distinguishes_battery_and_controller_supply_on_a_terminal) {
     const auto power = anoctl({"encode", "--raw", "power", "voltage=11.1", "voltage2=5"});
     const std::string shown = anoctl({"decode"}, power.out, true).out;
     EXPECT_NE(shown.find("voltage (battery) 11.1 V"), std::string::npos) << shown;

@@ -80,7 +80,7 @@ Found detect(const std::string& port, bool json = false, anoctl::ListeningTime t
     return found;
 }
 
-TEST(DetectRate, names_the_one_rate_at_which_good_frames_arrive) {
+TEST(DetectRate, names_the_only_rate_at_which_valid_frames_arrive) {
     for (const std::uint32_t right : {500000u, 38400u, 256000u, 2400u}) {
         const Speaker speaker{[=](std::uint32_t baud) { return baud == right ? euler : garbage; }};
         const Found found = detect(speaker.path());
@@ -93,7 +93,7 @@ TEST(DetectRate, names_the_one_rate_at_which_good_frames_arrive) {
     }
 }
 
-TEST(DetectRate, says_when_nothing_comes) {
+TEST(DetectRate, reports_when_no_data_is_received) {
     const support::TempDir folder;
     const support::PtyDevice device{(folder.path() / "tty").string()};
     const Found found = detect(device.path(), false, {moment, moment});
@@ -103,7 +103,7 @@ TEST(DetectRate, says_when_nothing_comes) {
         << found.wrong;
 }
 
-TEST(DetectRate, says_when_bytes_come_and_no_frames) {
+TEST(DetectRate, reports_data_without_valid_frames) {
     const Speaker speaker{[](std::uint32_t) { return garbage; }};
     const Found found = detect(speaker.path());
     EXPECT_EQ(found.exit, 1);
@@ -111,7 +111,7 @@ TEST(DetectRate, says_when_bytes_come_and_no_frames) {
         << found.wrong;
 }
 
-TEST(DetectRate, knows_frames_of_the_version_before) {
+TEST(DetectRate, recognizes_frames_of_the_previous_version) {
     const Bytes v7 = support::hex("AA FF 03 07 7B 00 00 00 00 00 01 2F 40");
     const Speaker speaker{[&](std::uint32_t baud) {
         Bytes frame{v7.begin(), v7.end() - 2};
@@ -130,7 +130,7 @@ TEST(DetectRate, knows_frames_of_the_version_before) {
         << found.wrong;
 }
 
-TEST(DetectRate, leaves_a_port_alone_that_somebody_has) {
+TEST(DetectRate, does_not_touch_a_port_that_is_in_use) {
     const support::TempDir folder;
     const support::PtyDevice device{(folder.path() / "tty").string()};
     const support::PortUser user{device.path()};
@@ -141,7 +141,7 @@ TEST(DetectRate, leaves_a_port_alone_that_somebody_has) {
     EXPECT_NE(found.wrong.find("(pid " + std::to_string(::getpid()) + ")"), std::string::npos) << found.wrong;
 }
 
-TEST(DetectRate, says_what_is_no_port) {
+TEST(DetectRate, reports_a_path_that_is_not_a_serial_port) {
     EXPECT_EQ(detect("/nowhere/tty").wrong, "/nowhere/tty not found; to list the ports: anoctl ports");
     EXPECT_NE(detect("/dev/null").wrong.find("this is not a serial port"), std::string::npos) << detect("/dev/null").wrong;
     EXPECT_EQ(support::anoctl({"ports", "--detect", "/nowhere/tty"}).exit, 1);
@@ -164,7 +164,7 @@ TEST(DetectRate, listens_longer_at_a_slow_rate) {
     EXPECT_GE(time.at(2400), std::chrono::milliseconds{1600});
 }
 
-TEST(DetectRate, takes_one_frame_among_noise_for_an_accident) {
+TEST(DetectRate, rejects_a_rate_with_only_one_frame_among_noise) {
     anoctl::HeardAtRate heard;
     EXPECT_FALSE(heard.is_right());
     heard.counters.bytes_in = 400;

@@ -23,7 +23,7 @@ using support::thrown;
 namespace device_texts_tests {
 namespace {
 
-TEST(JobText, has_rate_and_time_left) {
+TEST(JobText, shows_the_rate_and_the_remaining_time) {
     const Json job{{"done", 60}, {"total", 150}, {"unit", "parameters"}, {"message", "reading"}};
     EXPECT_EQ(progress_text(job, 5, 200), "[########............] 60 of 150 parameters, 12/s, 7.5 s left: reading");
     EXPECT_EQ(progress_text(job, 0.1, 200), "[########............] 60 of 150 parameters: reading")
@@ -38,7 +38,7 @@ TEST(JobText, has_rate_and_time_left) {
     EXPECT_EQ(progress_text(Json{{"message", "waits"}}, 2, 200), "waits");
 }
 
-TEST(JobText, says_what_is_half_done) {
+TEST(JobText, describes_a_partly_finished_job) {
     const auto half = [](const char* kind, int done) {
         return half_done(Json{{"kind", kind}, {"done", done}, {"total", 2048}, {"unit", "bytes"}});
     };
@@ -52,7 +52,7 @@ TEST(JobText, says_what_is_half_done) {
     EXPECT_EQ(half("parameters", 7), "") << "who only reads leaves nothing";
 }
 
-TEST(JobText, says_of_a_cancelled_apply_what_is_written_and_what_was_undone) {
+TEST(JobText, lists_the_written_and_undone_parameters_of_a_cancelled_apply) {
     const auto half = [](std::vector<const char*> states) {
         Json rows = Json::array();
         for (const char* state : states)
@@ -73,20 +73,20 @@ const Json answered{{"device", {{"address", "0xDC"}, {"name", "SimFC"}, {"dev_id
                       {{"id", 1}, {"name", "CAL_AOFF_X"}, {"type", "f32"}, {"value", 0.25}},
                       {{"id", 2}, {"name", "NAME"}, {"type", "string"}, {"value", "x"}}}}};
 
-TEST(ParameterFile, holds_values_by_name_in_their_order) {
+TEST(ParameterFile, stores_values_by_name_in_order) {
     EXPECT_EQ(
         parameter_file(answered).dump(),
         R"({"device":"0xDC","name":"SimFC","dev_id":220,"hw":100,"sw":3,"parameters":{"PID_P":1.5,"CAL_AOFF_X":0.25,"NAME":"x"}})");
 }
 
-TEST(ParameterFile, has_no_holes) {
+TEST(ParameterFile, is_not_exported_with_missing_values) {
     Json holed = answered;
     holed["parameters"][1].erase("value");
     EXPECT_EQ(thrown<Failure>([&] { parameter_file(holed); }),
               "nothing was exported; these parameters were not received: CAL_AOFF_X");
 }
 
-TEST(ParameterFile, says_the_number_where_a_name_is_not_enough) {
+TEST(ParameterFile, adds_the_number_where_a_name_is_ambiguous_or_empty) {
     Json alike = answered;
     alike["parameters"][0]["id"] = 0;
     alike["parameters"][1]["id"] = 1;
@@ -112,7 +112,7 @@ TEST(ParameterFile, is_read_as_it_was_written_or_as_plain_names_and_values) {
               "f: the value of 'A' is neither a number nor a text");
 }
 
-TEST(ParameterFile, of_another_device_is_known) {
+TEST(ParameterFile, of_another_device_is_detected) {
     const Json& device = answered["device"];
     EXPECT_EQ(of_another_device(Json{{"name", "SimFC"}, {"dev_id", 220}}, device), "");
     EXPECT_EQ(of_another_device(Json{{"parameters", Json::object()}}, device), "") << "it does not say";
@@ -122,7 +122,7 @@ TEST(ParameterFile, of_another_device_is_known) {
               "the file is for Other, device type 1, but the device is SimFC, device type 220");
 }
 
-TEST(ParameterFile, leaves_out_what_belongs_to_one_piece_of_hardware) {
+TEST(ParameterFile, leaves_out_values_that_are_specific_to_one_piece_of_hardware) {
     const Json file = parameter_file(answered);
     std::size_t left_out = 9;
     EXPECT_EQ(wanted_values(file, false, left_out).dump(), R"({"PID_P":1.5,"NAME":"x"})");
@@ -131,7 +131,7 @@ TEST(ParameterFile, leaves_out_what_belongs_to_one_piece_of_hardware) {
     EXPECT_EQ(left_out, 0u);
 }
 
-TEST(ParameterFile, has_null_for_what_json_has_no_number_for) {
+TEST(ParameterFile, stores_null_for_numbers_that_json_cannot_represent) {
     Json strange = answered;
     strange["parameters"][0]["value"] = "nan";
     strange["parameters"][2]["value"] = "nan";    // a text
@@ -143,7 +143,7 @@ TEST(ParameterFile, has_null_for_what_json_has_no_number_for) {
     EXPECT_EQ(names_without_value(file), "PID_P");
 }
 
-TEST(ParameterFile, may_be_what_a_calibration_kept) {
+TEST(ParameterFile, may_contain_the_values_stored_by_a_calibration) {
     const Json kept = parsed_parameter_file(
         R"({"device": {"address": "0xDC", "name": "SimFC", "dev_id": 220}, "parameters": {"CAL_AOFF_X": 1}})", "f");
     EXPECT_EQ(kept["device"], "0xDC");
@@ -155,7 +155,7 @@ TEST(ParameterFile, may_be_what_a_calibration_kept) {
     EXPECT_FALSE(is_kept_by_calibration("calibration-0xDC-compass.json/backup.json"));
 }
 
-TEST(ParameterFile, shows_what_changes) {
+TEST(ParameterFile, shows_the_changes) {
     const Json answer{{"parameters",
                        {{{"name", "A"}, {"was", 1}, {"written", 1}, {"state", "unchanged"}},
                         {{"name", "B"}, {"was", 1.5}, {"written", 2}, {"state", "differs"}},
@@ -180,7 +180,7 @@ const Json commands{{{"id", 0}, {"name", "land"}, {"values", Json::array()}},
                     {{"id", 2}, {"name", "twice"}, {"values", Json::array()}},
                     {{"id", 3}, {"name", "twice"}, {"values", Json::array()}}};
 
-TEST(CommandValues, of_a_command_by_name_or_number) {
+TEST(CommandValues, find_the_command_by_name_or_number) {
     EXPECT_EQ(command_called(commands, "move")["id"], 1);
     EXPECT_EQ(command_called(commands, "0")["name"], "land");
     EXPECT_EQ(command_called(commands, "3")["id"], 3);
@@ -190,7 +190,7 @@ TEST(CommandValues, of_a_command_by_name_or_number) {
               std::string::npos);
 }
 
-TEST(CommandValues, fit_number_type_and_range) {
+TEST(CommandValues, must_match_the_count_types_and_ranges_of_the_command) {
     const Json& move = commands[1];
     EXPECT_EQ(command_values(move, {"255", "-5", "1.5"}).dump(), "[255,-5,1.5]");
     EXPECT_EQ(thrown<UsageError>([&] { command_values(move, {"1"}); }), "move takes 3 values, not 1: move u8 i16 f32");
@@ -204,7 +204,7 @@ TEST(CommandValues, fit_number_type_and_range) {
             << wrong;
 }
 
-TEST(WaypointForm, is_known_by_the_name_or_the_content) {
+TEST(WaypointForm, is_recognized_by_file_name_or_content) {
     EXPECT_EQ(form_of_name("a.geojson"), "geojson");
     EXPECT_EQ(form_of_name("a.plan"), "qgc");
     EXPECT_EQ(form_of_name("a.json"), "json");
@@ -227,7 +227,7 @@ std::string overwriting(const std::vector<std::uint8_t>& numbers, std::size_t ha
     return overwriting_text(all, had);
 }
 
-TEST(WaypointForm, what_is_overwritten_is_told_before) {
+TEST(WaypointForm, lists_the_waypoints_that_will_be_overwritten) {
     EXPECT_EQ(overwriting({0, 1}, 0), "");
     EXPECT_EQ(overwriting({0, 1}, 1), "The device has 1 waypoint (number 0): it is overwritten. ");
     EXPECT_EQ(overwriting({0, 1}, 2), "The device has 2 waypoints (0 to 1): all are overwritten. ");
@@ -237,7 +237,7 @@ TEST(WaypointForm, what_is_overwritten_is_told_before) {
     EXPECT_NE(overwriting({0, 1}, 5).find("0 and 1 are overwritten, and 2 to 4 remain "), std::string::npos);
 }
 
-TEST(WaypointForm, what_is_overwritten_goes_by_the_numbers) {
+TEST(WaypointForm, lists_overwritten_waypoints_by_their_numbers) {
     EXPECT_EQ(
         overwriting({7, 3}, 8).find("The device has 8 waypoints (0 to 7): 3 and 7 are overwritten, and 0 to 2 and 4 to 6 remain"),
         0u)
@@ -280,7 +280,7 @@ TEST(CalibrationText, draws_the_face_that_is_up_and_lists_those_that_are_done) {
     EXPECT_EQ(calibration_step(Json{{"message", "reading"}}), "");
 }
 
-TEST(CalibrationText, draws_the_sphere_from_above_to_below) {
+TEST(CalibrationText, draws_the_sphere_from_top_to_bottom) {
     Json cells = Json::array();
     for (int i = 0; i < 72; ++i) cells.push_back(i == 0 || i == 71 ? 1 : 0);
     const Json job{{"step", {{"coverage", cells}, {"filled", 0.278}}}};
@@ -293,12 +293,12 @@ TEST(CalibrationText, draws_the_sphere_from_above_to_below) {
     EXPECT_EQ(calibration_step(job), "20 % of all directions");
 }
 
-TEST(CalibrationText, is_broken_where_a_terminal_is_narrow) {
+TEST(CalibrationText, is_wrapped_on_a_narrow_terminal) {
     EXPECT_EQ(broken_lines({"   28 % of all directions (80 % required); turn it toward the dots", "  . #"}, 60),
               (std::vector<std::string>{"   28 % of all directions (80 % required); turn it toward", "    the dots", "  . #"}));
 }
 
-TEST(JobText, names_the_option_that_allows_what_is_refused) {
+TEST(JobText, names_the_option_that_allows_a_refused_action) {
     const std::string text = "A: \"xy\" is longer than the 1 byte that the device has: a longer one must be allowed (longer)";
     EXPECT_EQ(with_options_named(text, "param"),
               "A: \"xy\" is longer than the 1 byte that the device has: --longer allows a longer one");
@@ -307,14 +307,14 @@ TEST(JobText, names_the_option_that_allows_what_is_refused) {
     EXPECT_EQ(with_options_named(flies, "calibrate"), flies + "; land and lock it first") << "it has no such option";
 }
 
-TEST(JobText, calls_jobs_as_the_commands_are_called) {
+TEST(JobText, names_jobs_after_their_commands) {
     EXPECT_EQ(command_of_job("put_waypoints"), "waypoint put");
     EXPECT_EQ(command_of_job("firmware"), "flash");
     EXPECT_EQ(command_of_job("write"), "param set");
     EXPECT_EQ(command_of_job("of a later gateway"), "of a later gateway");
 }
 
-TEST(LiveLines, are_written_anew_where_they_began_although_somebody_pressed_enter) {
+TEST(LiveLines, are_rewritten_in_place_even_after_enter_was_pressed) {
     std::ostringstream err;
     LiveLines lines{err};
     lines.went_down(1);    // nothing is shown yet
@@ -332,7 +332,7 @@ TEST(LiveLines, are_written_anew_where_they_began_although_somebody_pressed_ente
     EXPECT_EQ(err.str(), "\r\x1b[Je");
 }
 
-TEST(CalibrationText, has_the_residuals_and_what_was_found) {
+TEST(CalibrationText, shows_the_residuals_and_the_new_values) {
     EXPECT_EQ(calibration_result(Json{{"before", 25.31}, {"after", 1.25}, {"values", {{"CAL_AOFF_X", 1.5}}}}, "accelerometer"),
               (std::vector<std::string>{"residual 25.3 cm/s² before, 1.25 cm/s² now", "CAL_AOFF_X=1.5",
                                         "saved permanently in the device"}));

@@ -18,7 +18,7 @@ TEST(Encode, prints_hex_or_bytes_or_json) {
     EXPECT_EQ(anoctl({"encode", "check", "--raw"}).out.size(), 11u);
 }
 
-TEST(Encode, negative_numbers_text_addresses_arrays_and_points) {
+TEST(Encode, accepts_negative_numbers_text_addresses_arrays_and_points) {
     EXPECT_EQ(anoctl({"encode", "wind", "wind_x=-1"}).out.substr(18, 12), "FF FF 00 00 ");
     EXPECT_EQ(anoctl({"encode", "log", "str=a=b, c"}).exit, 0);
     EXPECT_EQ(anoctl({"encode", "ip_tunnel", "dst_ip=10.0.0.1", "frames=[{\"name\": \"check\"}]"}).exit, 0);
@@ -36,7 +36,7 @@ void expect_refused(const std::vector<std::string>& words, const std::string& sa
     EXPECT_EQ(result.err, "anoctl: " + said + "\n");
 }
 
-TEST(Encode, bad_input_gets_words_and_exit_code_2) {
+TEST(Encode, reports_bad_input_with_exit_code_2) {
     expect_refused({"encode", "eular"}, "there is no message 'eular' (did you mean 'euler'?)");
     expect_refused({"encode", "euler", "roll=1"}, "euler has no field 'roll' (did you mean 'rol'?)");
     expect_refused({"encode", "euler", "rol=400"}, "euler rol: '400' is out of range (i16, -327.68 to 327.67 °)");
@@ -73,7 +73,7 @@ TEST(Encode, bad_input_gets_words_and_exit_code_2) {
     EXPECT_EQ(anoctl({"encode", "-"}, "\xFF\x01").exit, 2);
 }
 
-TEST(Encode, takes_the_words_that_are_shown) {
+TEST(Encode, accepts_the_value_names_that_are_shown) {
     EXPECT_EQ(anoctl({"encode", "parameter_command", "cmd=action", "val=save", "--to", "0xDC"}).out,
               "AB FE DC E0 03 00 10 AB 00 23 CC\n");
     EXPECT_EQ(anoctl({"encode", "log", "color=green"}).out, anoctl({"encode", "log", "color=2"}).out);
@@ -85,7 +85,7 @@ TEST(Encode, takes_the_words_that_are_shown) {
                    "log color: 'grene' is not a number, nor default, red, green, blue (did you mean 'green'?)");
 }
 
-TEST(Encode, takes_values_with_their_types) {
+TEST(Encode, accepts_values_with_their_types) {
     EXPECT_EQ(anoctl({"encode", "parameter_value", "par_id=3", "value=f32:1.5", "--to", "0xDC"}).out,
               "AB FE DC E1 06 00 03 00 00 00 C0 3F 6E 70\n");
     EXPECT_EQ(anoctl({"encode", "command", "cid0=1", "cid2=1", "values=u16:100,i32:-5", "--to", "0xDC"}).out,
@@ -94,7 +94,7 @@ TEST(Encode, takes_values_with_their_types) {
     expect_refused({"encode", "command", "values=u8:300"}, "command values: '300' is out of range (u8, 0 to 255)");
 }
 
-TEST(Encode, refuses_a_parameter_with_less_value_than_its_type) {
+TEST(Encode, rejects_a_parameter_value_shorter_than_its_type) {
     const std::string behind =
         "; a device would store check bytes of the frame with it: write it with its type, such as f32:1.5 or string:abc";
     expect_refused({"encode", "parameter_value", "par_id=1"}, "parameter_value value: it is empty" + behind);
@@ -105,7 +105,7 @@ TEST(Encode, refuses_a_parameter_with_less_value_than_its_type) {
     EXPECT_EQ(anoctl({"encode", "-"}, "{\"name\": \"parameter_value\", \"fields\": {\"par_id\": 1}}\n").exit, 2);
 }
 
-TEST(Anoctl, takes_json_before_the_command) {
+TEST(Anoctl, accepts_json_before_the_command) {
     EXPECT_EQ(anoctl({"--json", "encode", "check"}).out, anoctl({"encode", "check", "--json"}).out);
     EXPECT_EQ(anoctl({"--json", "messages", "euler"}).out, anoctl({"messages", "euler", "--json"}).out);
     EXPECT_EQ(anoctl({"--json", "decode", "AB"}).exit, 1);
@@ -119,7 +119,7 @@ TEST(Anoctl, takes_json_before_the_command) {
     EXPECT_EQ(anoctl({"--json", "encod"}).err.rfind("anoctl: unknown command 'encod' (did you mean 'encode'?)", 0), 0u);
 }
 
-TEST(Anoctl, help_of_a_command_offers_what_it_takes_alone) {
+TEST(Anoctl, help_of_a_command_lists_only_the_options_that_it_accepts) {
     EXPECT_NE(anoctl({"--help"}).out.find("--json"), std::string::npos);
     for (const char* words : {"Devices:", "Recordings:", "Gateway:", "Examples:"})
         EXPECT_NE(anoctl({"--help"}).out.find(words), std::string::npos) << words;
@@ -136,14 +136,14 @@ TEST(Anoctl, help_of_a_command_offers_what_it_takes_alone) {
     EXPECT_EQ(anoctl({"decode", "--help"}).out.find("--control"), std::string::npos);
 }
 
-TEST(Anoctl, says_how_to_monitor_a_link_of_the_gateway) {
+TEST(Anoctl, explains_how_to_monitor_a_link_of_the_gateway) {
     const auto refused = anoctl({"monitor", "fc"});
     EXPECT_EQ(refused.exit, 2);
     EXPECT_TRUE(refused.err.ends_with("; for a link of the gateway, give its name: monitor --link 'fc'\n")) << refused.err;
     EXPECT_EQ(anoctl({"monitor", "/dev/ttyUSB0"}).err.find("--link"), std::string::npos);
 }
 
-TEST(Anoctl, refuses_to_count_to_nothing) {
+TEST(Anoctl, rejects_a_count_that_is_not_a_positive_number) {
     for (const char* count : {"0", "-1", "many", "1.5"}) {
         const auto result = anoctl({"monitor", "pty:/no/such/folder/x", std::string{"--count="} + count});
         EXPECT_EQ(result.exit, 2) << count;
@@ -153,7 +153,7 @@ TEST(Anoctl, refuses_to_count_to_nothing) {
     EXPECT_EQ(anoctl({"monitor", "pty:/no/such/folder/x", "--count", "-1"}).exit, 2);
 }
 
-TEST(Anoctl, colours_are_ended_by_what_the_environment_says) {
+TEST(Anoctl, disables_colours_according_to_the_environment) {
     EXPECT_TRUE(anoctl::wants_color(nullptr, "xterm"));
     EXPECT_TRUE(anoctl::wants_color("", "xterm"));    // by the rule of no-color.org
     EXPECT_FALSE(anoctl::wants_color("1", "xterm"));
@@ -162,7 +162,7 @@ TEST(Anoctl, colours_are_ended_by_what_the_environment_says) {
     EXPECT_FALSE(anoctl::wants_color(nullptr, nullptr));
 }
 
-TEST(Anoctl, help_and_version_are_fine_and_nothing_is_not) {
+TEST(Anoctl, accepts_help_and_version_but_not_an_empty_command_line) {
     EXPECT_EQ(anoctl({"--help"}).exit, 0);
     EXPECT_EQ(anoctl({"--version"}).out.substr(0, 7), "anoctl ");
     EXPECT_EQ(anoctl({"encode", "--help"}).exit, 0);
@@ -175,7 +175,7 @@ TEST(Anoctl, help_and_version_are_fine_and_nothing_is_not) {
     EXPECT_EQ(encoding.err.substr(0, encoding.err.find('\n')), "anoctl: --encoding: 'latin1' is neither utf8 nor gbk");
 }
 
-TEST(Anoctl, takes_a_negative_number_for_a_value) {
+TEST(Anoctl, treats_a_negative_number_as_a_value) {
     const auto ran = anoctl({"encode", "wind", "-1.5"});
     EXPECT_EQ(ran.exit, 2);
     EXPECT_EQ(ran.err.find("anoctl: '-1.5' "), 0u) << ran.err;

@@ -22,7 +22,7 @@ std::string parts(const Bytes& gap) {
 
 const std::string frame = "ABFEFFE00300000000AAAA";
 
-TEST(Gap, a_frame_with_wrong_checks_is_known_by_its_place) {
+TEST(Gap, recognizes_a_frame_with_a_wrong_checksum_by_its_position) {
     EXPECT_EQ(parts({}), "");
     EXPECT_EQ(parts(hex("01 02")), "2");
     EXPECT_EQ(parts(hex(frame)), "11!");

@@ -11,7 +11,7 @@
 namespace anoctl::gateway_json_tests {
 namespace {
 
-TEST(GatewayJson, what_is_missing_or_of_another_kind_is_nothing) {
+TEST(GatewayJson, missing_values_and_values_of_another_type_are_empty) {
     const ano::Json answer = parse_answer(
         R"({"text": "a\u001b[2J", "number": 7, "large": "18446744073709551615", "null": null, "list": ["a", 1, "b"]})");
     EXPECT_EQ(text_at(answer, "text"), "a?[2J");
@@ -37,7 +37,7 @@ TEST(GatewayJson, counters_that_are_not_zero_are_listed) {
     EXPECT_EQ(causes_out().front(), "bytes_out");
 }
 
-TEST(GatewayJson, frames_that_no_link_takes_are_no_loss_of_a_replay_or_where_no_host_is) {
+TEST(GatewayJson, frames_without_a_route_are_no_loss_on_a_replay_or_without_a_host) {
     const auto counts_no_route = [](const std::string& link) {
         const auto& causes = drop_causes(is_alone(parse_answer(link)));
         return std::count(causes.begin(), causes.end(), "no_route") == 1;
@@ -48,7 +48,7 @@ TEST(GatewayJson, frames_that_no_link_takes_are_no_loss_of_a_replay_or_where_no_
     EXPECT_TRUE(counts_no_route("[]"));
 }
 
-TEST(GatewayJson, what_is_recorded_and_what_is_wrong_with_it_are_lines) {
+TEST(GatewayJson, recordings_and_their_errors_are_listed_in_lines) {
     using Lines = std::vector<std::string>;
     const auto lines_of = [](const std::string& text) { return recording_lines(parse_answer(text)); };
     EXPECT_EQ(lines_of("{}"), Lines{});
@@ -87,7 +87,7 @@ TEST(GatewayJson, a_recording_whose_times_are_of_two_clocks_has_no_length) {
     EXPECT_EQ(length_of_recording(parse_answer(R"({"begun": 1763898044, "time": 1763898050, "seconds": null})")), std::nullopt);
 }
 
-TEST(GatewayJson, long_lists_take_several_lines) {
+TEST(GatewayJson, long_lists_are_wrapped_onto_several_lines) {
     EXPECT_EQ(list_text("in: ", {}), "in: ");
     EXPECT_EQ(list_text("in: ", {"a 1", "b 2"}), "in: a 1, b 2");
     const std::string item(30, 'x');
@@ -95,12 +95,12 @@ TEST(GatewayJson, long_lists_take_several_lines) {
     EXPECT_EQ(list_text("in: ", {std::string(100, 'x')}), "in: " + std::string(100, 'x')) << "there is no better place for it";
 }
 
-TEST(GatewayJson, words_are_encoded_for_a_target) {
+TEST(GatewayJson, text_is_percent_encoded_for_a_request_target) {
     EXPECT_EQ(percent_encoded("0xDC-a_b.c~"), "0xDC-a_b.c~");
     EXPECT_EQ(percent_encoded("flight controller/%?&#\xE5"), "flight%20controller%2F%25%3F%26%23%E5");
 }
 
-TEST(GatewayJson, an_answer_that_refuses_is_told_in_its_words) {
+TEST(GatewayJson, an_error_response_is_reported_with_its_text) {
     anogate::http::Answer answer;
     answer.status = 404;
     answer.body = R"({"error": "there is nothing", "what": "unknown"})";

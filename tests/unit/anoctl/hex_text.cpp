@@ -12,7 +12,7 @@ namespace {
 using namespace anoctl;
 using support::Bytes;
 
-TEST(HexText, is_bytes_as_people_write_them) {
+TEST(HexText, accepts_the_usual_notations_for_bytes) {
     const Bytes expected{0xAB, 0xFE, 1};
     for (const char* text : {"AB FE 01", "abfe01", "0xAB 0xFE 0x01", "0XAB, 0xfe, 0x1,", "0xABFE01", "ABFE\r\n01\n", "AB,FE,01"})
         EXPECT_EQ(from_hex_text(text), expected) << text;
@@ -42,7 +42,7 @@ Bytes read(std::string_view input, std::size_t size, std::size_t* bad_line = nul
 }
 Bytes raw(std::string_view text) { return {text.begin(), text.end()}; }
 
-TEST(BytesOrText, is_known_however_it_is_cut) {
+TEST(BytesOrText, is_recognized_however_the_input_is_split) {
     const std::string frame = "AB DB FE A0 0C 00 02 74 65 73 74 46 75 6E 20 4F 4B 21 F6 1C\n";
     const Bytes bytes = from_hex_text(frame).value();
     const std::string raw_frame{bytes.begin(), bytes.end()};
@@ -62,7 +62,7 @@ TEST(BytesOrText, is_known_however_it_is_cut) {
     }
 }
 
-TEST(BytesOrText, gives_the_bytes_of_text_that_begins_as_a_frame_at_once) {
+TEST(BytesOrText, returns_the_bytes_of_text_that_begins_like_a_frame_at_once) {
     BytesOrText reader;
     const Bytes text = raw("AB DB FE A0 00 00 24 4");
     EXPECT_EQ(reader.read({text.data(), text.size() - 3}).size(), 0u);    // 6 bytes
@@ -73,7 +73,7 @@ TEST(BytesOrText, gives_the_bytes_of_text_that_begins_as_a_frame_at_once) {
     EXPECT_EQ(reader.finish().size(), 0u);
 }
 
-TEST(BytesOrText, holds_no_more_than_a_mebibyte_of_text_that_does_not_begin_as_a_frame) {
+TEST(BytesOrText, buffers_at_most_one_mebibyte_of_text_that_does_not_begin_like_a_frame) {
     BytesOrText reader;
     std::string text;
     while (text.size() < (1u << 20) - 3) text += "12 ";
@@ -81,7 +81,7 @@ TEST(BytesOrText, holds_no_more_than_a_mebibyte_of_text_that_does_not_begin_as_a
     EXPECT_EQ(reader.read(raw("12 34 ")).size(), text.size() / 3 + 2);
 }
 
-TEST(BytesOrText, names_the_line_in_which_text_ends_as_something_else) {
+TEST(BytesOrText, names_the_first_line_that_is_not_hex_text) {
     const std::string line = "AB DB FE A0 00 00 24 4E\n";
     for (std::size_t size = 1; size < 60; ++size) {
         std::size_t bad_line = 0;

@@ -31,7 +31,7 @@ const std::vector<BadJson> all_bad{
      "contains a NUL byte"},
 };
 
-TEST(JsonFiles, with_what_no_honest_file_has_are_refused_before_anything_is_done) {
+TEST(JsonFiles, with_malformed_json_are_rejected_before_anything_is_done) {
     const TempDir dir;
     const std::string nowhere = dir / "no.sock";
     for (const BadJson& bad : all_bad) {

@@ -14,7 +14,7 @@ namespace {
 
 using anoctl::keep_in_state_folder;
 
-TEST(KeptValues, are_not_overwritten_and_gone_when_they_are_no_longer_needed) {
+TEST(KeptValues, are_not_overwritten_and_are_removed_when_no_longer_needed) {
     const support::TempDir dir;
     ::setenv("XDG_STATE_HOME", dir.path().c_str(), 1);
     const std::string file = dir / "anogate/calibration-0xDC-compass.json";
@@ -33,7 +33,7 @@ TEST(KeptValues, are_not_overwritten_and_gone_when_they_are_no_longer_needed) {
     ::unsetenv("XDG_STATE_HOME");
 }
 
-TEST(KeptValues, that_were_kept_by_an_earlier_run_are_found) {
+TEST(KeptValues, of_an_earlier_run_are_found) {
     const support::TempDir dir;
     ::setenv("XDG_STATE_HOME", dir.path().c_str(), 1);
     const auto is_b = [](std::string_view name) { return name == "b.json"; };

@@ -14,7 +14,7 @@ namespace {
 
 using support::anoctl;
 
-TEST(Messages, as_json_are_one_object_a_layout) {
+TEST(Messages, as_json_are_one_object_per_layout) {
     std::istringstream lines{anoctl({"messages", "--json"}).out};
     std::size_t rows = 0;
     for (std::string line; std::getline(lines, line); ++rows) {
@@ -53,7 +53,7 @@ TEST(Messages, as_json_have_the_layouts_of_a_configuration) {
     EXPECT_EQ(of_f2[1]["fields"].size(), 0u);
 }
 
-TEST(Messages, as_text_are_one_line_a_layout) {
+TEST(Messages, as_text_are_one_line_per_layout) {
     const auto all = anoctl({"messages"}).out;
     EXPECT_EQ(static_cast<std::size_t>(std::count(all.begin(), all.end(), '\n')), ano::messages.size());
 }
@@ -84,7 +84,7 @@ TEST(Messages, by_name_show_types_units_ranges_and_values) {
     EXPECT_NE(anoctl({"messages", "flexible1"}).out.find("as configured"), std::string::npos);
 }
 
-TEST(Messages, bad_input_gets_words) {
+TEST(Messages, report_bad_input) {
     EXPECT_EQ(anoctl({"messages", "eulr"}).err, "anoctl: there is no message 'eulr' (did you mean 'euler'?)\n");
     EXPECT_EQ(anoctl({"messages", "eulr"}).exit, 2);
     EXPECT_EQ(anoctl({"messages", "0x77"}).exit, 2);
@@ -92,7 +92,7 @@ TEST(Messages, bad_input_gets_words) {
     EXPECT_EQ(anoctl({"messages", "--json", "--lua"}).exit, 2);
 }
 
-TEST(Anoctl, a_command_that_is_none_is_named) {
+TEST(Anoctl, names_an_unknown_command) {
     const auto ran = anoctl({"mesages"});
     EXPECT_EQ(ran.exit, 2);
     EXPECT_EQ(ran.err,

@@ -45,7 +45,7 @@ anogate::Endpoint reached_from(OwnLink& own, support::UdpPeer& peer, support::Lo
     return peer.last_sender();
 }
 
-TEST_F(OwnLinks, say_once_why_they_wait) {
+TEST_F(OwnLinks, print_once_why_they_wait) {
     const support::TempDir folder;
     OwnLink own{loop.io, link_settings_of("serial:" + (folder / "absent")), taker, streams, "monitor"};
     own.start();
@@ -56,7 +56,7 @@ TEST_F(OwnLinks, say_once_why_they_wait) {
     EXPECT_EQ(said.find("waiting: "), said.rfind("waiting: ")) << said;
 }
 
-TEST_F(OwnLinks, give_no_frame_to_whom_wants_no_more) {
+TEST_F(OwnLinks, deliver_no_frames_after_the_receiver_has_enough) {
     support::UdpPeer peer;
     OwnLink own{loop.io, link_settings_of(peer.link("peer")), taker, streams, "monitor"};
     taker.most = 1;
@@ -67,7 +67,7 @@ TEST_F(OwnLinks, give_no_frame_to_whom_wants_no_more) {
     own.stop();
 }
 
-TEST_F(OwnLinks, say_a_hint_once_for_as_long_as_it_holds) {
+TEST_F(OwnLinks, print_a_hint_once_while_it_applies) {
     support::UdpPeer peer;
     OwnLink own{loop.io, link_settings_of(peer.link("peer")), taker, streams, "monitor", 5ms};
     own.start();
@@ -79,7 +79,7 @@ TEST_F(OwnLinks, say_a_hint_once_for_as_long_as_it_holds) {
     EXPECT_EQ(said.find("peer: data"), said.rfind("peer: data")) << said;
 }
 
-TEST_F(OwnLinks, know_a_device_that_speaks_the_previous_version) {
+TEST_F(OwnLinks, detect_a_device_that_uses_the_previous_version) {
     support::UdpPeer peer;
     OwnLink own{loop.io, link_settings_of(peer.link("peer")), taker, streams, "monitor", 5ms};
     own.start();
@@ -91,7 +91,7 @@ TEST_F(OwnLinks, know_a_device_that_speaks_the_previous_version) {
     own.stop();
 }
 
-TEST_F(OwnLinks, count_what_of_a_peer_was_no_frame_also_when_it_is_gone) {
+TEST_F(OwnLinks, count_skipped_bytes_of_a_peer_even_after_it_is_removed) {
     const std::string local = support::UdpPeer{}.local().text();
     support::UdpPeer noisy, next;
     OwnLink own{loop.io, link_settings_of("udp-listen:" + local + ",max_peers=1"), taker, streams, "monitor"};

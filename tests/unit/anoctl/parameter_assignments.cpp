@@ -26,7 +26,7 @@ const Json described{{{"id", 0}, {"name", "PID_P"}, {"type", "f32"}},
 
 using support::thrown;
 
-TEST(ParameterAssignments, are_name_and_value_or_names_with_their_values) {
+TEST(ParameterAssignments, are_one_name_and_value_or_several_name_value_pairs) {
     const auto one = assignments({"TURN", "-5"});
     ASSERT_EQ(one.size(), 1u);
     EXPECT_EQ(one[0].value, "-5");

@@ -9,7 +9,7 @@ namespace {
 
 using ano::Json;
 
-TEST(ParameterFile, leaves_out_what_is_not_readable) {
+TEST(ParameterFile, leaves_out_unreadable_parameters) {
     const Json rows{{{"id", 0}, {"name", "ALT"}, {"type", "u8"}, {"unreadable", "4 bytes for u8"}},
                     {{"id", 1}, {"name", "KP"}, {"type", "f32"}, {"value", 1.5}},
                     {{"id", 2}, {"name", "ALT"}, {"type", "f32"}, {"unreadable", "8 bytes for f32"}}};

@@ -58,7 +58,7 @@ TEST(Pictures, are_made_of_rows_in_several_frames) {
     EXPECT_TRUE(pictures.end().empty());
 }
 
-TEST(Pictures, of_two_senders_are_two) {
+TEST(Pictures, of_two_senders_are_kept_apart) {
     Pictures pictures;
     take(pictures, image(1, 0, 1, 2, {1}, 0xDF));
     take(pictures, image(1, 0, 1, 2, {2}, 0x15));
@@ -70,7 +70,7 @@ TEST(Pictures, of_two_senders_are_two) {
     EXPECT_EQ(second[0].pixels, (Bytes{2, 4}));
 }
 
-TEST(Pictures, the_first_of_each_sender_is_known) {
+TEST(Pictures, mark_the_first_one_of_each_sender) {
     Pictures pictures;
     const auto is_first = [&](std::uint16_t flag, std::uint8_t source) {
         return take(pictures, image(flag, 0, 1, 1, {1}, source)).ended.at(0).is_first;
@@ -82,7 +82,7 @@ TEST(Pictures, the_first_of_each_sender_is_known) {
     EXPECT_FALSE(pictures.end().at(0).is_first);
 }
 
-TEST(Pictures, that_lack_a_part_end_when_the_next_begins) {
+TEST(Pictures, that_are_incomplete_end_when_the_next_one_begins) {
     const auto rows_of_first = [](const Bytes& next, ano::Duration later) {
         Pictures pictures;
         take(pictures, image(1, 1, 16, 4, {1, 2, 3, 4}));
@@ -97,7 +97,7 @@ TEST(Pictures, that_lack_a_part_end_when_the_next_begins) {
     EXPECT_EQ(rows_of_first(image(1, 1, 16, 4, {1, 2}), 1000ms), 0u) << "its next rows";
 }
 
-TEST(Pictures, that_lack_a_part_when_nothing_more_comes_are_told) {
+TEST(Pictures, that_are_incomplete_are_returned_at_the_end_of_input) {
     Pictures pictures;
     take(pictures, image(1, 0, 1, 2, {1}));
     const auto rest = pictures.end();
@@ -106,7 +106,7 @@ TEST(Pictures, that_lack_a_part_when_nothing_more_comes_are_told) {
     EXPECT_TRUE(pictures.end().empty());
 }
 
-TEST(Pictures, of_one_frame_end_one_that_had_begun_as_well) {
+TEST(Pictures, of_one_frame_also_end_an_incomplete_picture) {
     Pictures pictures;
     take(pictures, image(1, 0, 1, 2, {1}));
     const auto ended = take(pictures, image(2, 0, 1, 1, {9})).ended;
@@ -115,7 +115,7 @@ TEST(Pictures, of_one_frame_end_one_that_had_begun_as_well) {
     EXPECT_EQ(ended[1].pixels, Bytes{9});
 }
 
-TEST(Pictures, are_not_made_of_frames_that_say_what_cannot_be) {
+TEST(Pictures, are_not_made_from_frames_with_impossible_values) {
     const auto fault = [](const Bytes& frame) {
         Pictures pictures;
         auto taken = take(pictures, frame);
@@ -134,7 +134,7 @@ TEST(Pictures, are_not_made_of_frames_that_say_what_cannot_be) {
     EXPECT_EQ(fault(support::frame(0xDF, 0xFE, 0x03, {1})), "") << "of other messages it knows nothing";
 }
 
-TEST(Pictures, have_a_byte_for_the_pixels_that_are_left_over) {
+TEST(Pictures, round_the_row_size_up_to_whole_bytes) {
     Pictures pictures;
     const auto ended = take(pictures, image(1, 1, 9, 1, {0xFF, 0x80})).ended;
     ASSERT_EQ(ended.size(), 1u);
@@ -157,7 +157,7 @@ TEST(Png, has_all_seven_colours) {
     EXPECT_EQ(color_name(7), "");
 }
 
-TEST(Png, has_the_rows_that_came) {
+TEST(Png, contains_only_the_received_rows) {
     Pictures pictures;
     take(pictures, image(1, 0, 1, 5, {1, 2, 3}));
     unsigned width = 0, height = 0;

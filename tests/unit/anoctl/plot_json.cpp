@@ -26,7 +26,7 @@ TEST(PlotJson, has_the_time_and_the_numbers_by_link_address_and_message) {
     EXPECT_EQ(said.size(), 2u);
 }
 
-TEST(PlotJson, leaves_out_text_and_what_has_no_numbers) {
+TEST(PlotJson, leaves_out_text_and_frames_without_numbers) {
     const json text = plotted(support::frame(0xDC, 0xFE, 0xA0, {1, 'a', 'b'}));
     EXPECT_EQ(text.dump().find("ab"), std::string::npos) << text;
     EXPECT_TRUE(plotted(support::frame(0xDC, 0xFE, 0x03, {1})).is_null()) << "too short for its layout";
@@ -36,7 +36,7 @@ TEST(PlotJson, a_link_may_have_any_name) {
     EXPECT_EQ(plotted(support::frame(0xDC, 0xFE, 0x03, {0x7B, 0, 0, 0, 0, 0, 1}), "timestamp")["timestamp"], 1763898044.25);
 }
 
-TEST(PlotJson, what_does_not_fit_into_one_object_is_told_by_several_of_the_same_time) {
+TEST(PlotJson, splits_a_large_message_into_several_objects_with_the_same_time) {
     const support::Bytes inertial = support::frame(0xDC, 0xFE, 0x01, {1, 0, 2, 0, 3, 0, 4, 0, 5, 0, 6, 0, 1});
     const json whole = plotted(inertial)["fc"]["0xDC"]["inertial"];
     ASSERT_EQ(whole.size(), 7u);

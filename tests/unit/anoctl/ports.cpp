@@ -95,7 +95,7 @@ std::vector<std::string> lines_of(const std::string& text) {
     return lines;
 }
 
-TEST(Ports, are_shown_with_driver_product_and_the_name_that_stays) {
+TEST(Ports, are_shown_with_driver_product_and_stable_name) {
     Computer computer;
     computer.usb("ttyUSB10", "usb1/1-2", "cp210x", "CP2102N");
     computer.usb("ttyUSB2", "usb1/1-1", "ch341-uart", "USB Serial");
@@ -113,7 +113,7 @@ TEST(Ports, are_shown_with_driver_product_and_the_name_that_stays) {
 }
 
 // Two CH340: udev gives both the same name, which belongs to the one plugged in last.
-TEST(Ports, of_adapters_without_a_serial_number_are_named_by_their_socket) {
+TEST(Ports, of_adapters_without_a_serial_number_are_named_by_their_usb_port) {
     Computer computer;
     computer.usb("ttyUSB0", "usb1/1-1", "ch341-uart", "USB Serial");
     computer.usb("ttyUSB1", "usb1/1-2", "cp210x", "CP2102");
@@ -147,7 +147,7 @@ TEST(Ports, of_adapters_without_a_serial_number_are_named_by_their_socket) {
 }
 
 // Both are unplugged and plugged in again in the other order: the name of by-id leads to the other vehicle.
-TEST(Ports, whose_name_leads_to_the_twin_after_plugging_are_noticed) {
+TEST(Ports, whose_name_refers_to_the_twin_after_replugging_are_detected) {
     Computer computer;
     const auto plug = [&](const std::string& socket) {
         fs::remove_all(computer.root() / "sys");
@@ -178,7 +178,7 @@ TEST(Ports, whose_name_leads_to_the_twin_after_plugging_are_noticed) {
     EXPECT_EQ(watch.twin(), "");
 }
 
-TEST(Ports, of_the_same_kind_are_twins_unless_they_have_numbers) {
+TEST(Ports, of_the_same_kind_are_twins_unless_their_serial_numbers_differ) {
     Computer computer;
     computer.usb("ttyUSB0", "usb1/1-1", "ch341-uart", "USB Serial");
     computer.usb("ttyUSB1", "usb1/1-2", "ch341-uart", "USB Serial");
@@ -194,7 +194,7 @@ TEST(Ports, of_the_same_kind_are_twins_unless_they_have_numbers) {
     EXPECT_TRUE(anogate::twins_of(computer.root(), anogate::port_identity(computer.root(), "/dev/nothing")).empty());
 }
 
-TEST(Ports, are_real_ones_only) {
+TEST(Ports, list_only_real_ports) {
     Computer computer;
     fs::create_directories(computer.root() / "sys/class/tty/tty1");    // a console has no device
     fs::create_directories(computer.root() / "sys/class/tty/rfcomm0");
@@ -208,7 +208,7 @@ TEST(Ports, are_real_ones_only) {
     EXPECT_EQ(ports[1].device, "/dev/ttyS0");
 }
 
-TEST(Ports, have_the_driver_that_stands_behind_the_kernels_own_devices) {
+TEST(Ports, show_the_driver_of_the_parent_of_internal_kernel_devices) {
     Computer computer;
     computer.port("ttyAMA0", "platform/fe201000.serial/ctrl0/port0", "port");
     computer.link("sys/devices/platform/fe201000.serial/ctrl0/driver", "../../bus/drivers/ctrl");
@@ -217,7 +217,7 @@ TEST(Ports, have_the_driver_that_stands_behind_the_kernels_own_devices) {
     EXPECT_EQ(computer.shown(administrator), "/dev/ttyAMA0 uart-pl011\n    /dev/serial0\nno CAN interface found\n");
 }
 
-TEST(Ports, are_said_to_be_held_by_who_has_them_open_or_locked) {
+TEST(Ports, name_the_process_that_has_them_open_or_locked) {
     Computer computer;
     for (const char* name : {"ttyUSB0", "ttyUSB1", "ttyUSB2", "ttyUSB3"})
         computer.usb(name, "usb1/" + std::string{name}, "ftdi_sio", "x");
@@ -241,7 +241,7 @@ TEST(Ports, are_said_to_be_held_by_who_has_them_open_or_locked) {
     EXPECT_NE(computer.shown(administrator).find("\n    in use by anogated (pid 90)\n"), std::string::npos);
 }
 
-TEST(Ports, say_which_permission_is_missing_and_how_to_get_it) {
+TEST(Ports, report_the_missing_permission_and_how_to_get_it) {
     Computer computer;
     computer.usb("ttyUSB0", "usb1/1-1", "cp210x", "x");
     constexpr gid_t usual = 20;    // if the test may not change the group of the port, it is our own
@@ -282,7 +282,7 @@ TEST(Ports, say_which_permission_is_missing_and_how_to_get_it) {
               "a login console uses it: sudo systemctl disable --now nvgetty, and restart");
 }
 
-TEST(Ports, for_people_fit_80_columns_and_no_name_is_cut) {
+TEST(Ports, as_text_fit_80_columns_without_cutting_names) {
     Computer computer;
     const std::string product = "CP2102 USB to UART Bridge Controller of a maker with very much to say about it";
     const std::string name = "/dev/serial/by-id/usb-Silicon_Labs_CP2102_USB_to_UART_Bridge_Controller_0001-if00-port0";
@@ -299,7 +299,7 @@ TEST(Ports, for_people_fit_80_columns_and_no_name_is_cut) {
         << shown;
 }
 
-TEST(Ports, as_json_are_one_object_a_line) {
+TEST(Ports, as_json_are_one_object_per_line) {
     Computer computer;
     computer.usb("ttyUSB0", "usb1/1-1", "ch341-uart", "\x1B[31mevil\xFF");
     computer.process(812, "minicom", "/dev/ttyUSB0");
@@ -322,7 +322,7 @@ TEST(Ports, as_json_are_one_object_a_line) {
     EXPECT_EQ(can["up"], true);
 }
 
-TEST(Ports, of_can_are_shown_with_what_brings_them_up) {
+TEST(Ports, of_can_are_shown_with_the_command_that_brings_them_up) {
     Computer computer;
     computer.file("sys/class/net/eth0/type", "1");
     for (const char* name : {"can0", "vcan0"}) computer.file(std::string{"sys/class/net/"} + name + "/type", "280");
@@ -373,13 +373,13 @@ Bytes can_info(const char* kind = "can") {
                                          attribute(IFLA_CAN_DATA_BITTIMING, bytes_of(fast)));
 }
 
-TEST(CanFigures, are_read_from_what_netlink_says) {
+TEST(CanFigures, are_read_from_a_netlink_message) {
     EXPECT_EQ(anoctl::can_figures_in(new_link(can_info())), (anoctl::CanFigures{"error-passive", 500000, 2000000}));
     EXPECT_EQ(anoctl::can_figures_in(new_link(can_info("vlan"))), anoctl::CanFigures{}) << "of another sort";
     EXPECT_EQ(anoctl::can_figures_in(new_link({})), anoctl::CanFigures{});
 }
 
-TEST(CanFigures, of_a_message_that_is_cut_or_damaged_are_read_within_its_bytes) {
+TEST(CanFigures, of_a_truncated_or_damaged_message_are_read_within_its_bytes) {
     const Bytes whole = new_link(can_info());
     for (std::size_t n = 0; n < whole.size(); ++n) {
         const Bytes cut(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(n));    // a heap block of its own for ASan

@@ -12,18 +12,18 @@ std::string as_json(std::string_view text) {
     return all;
 }
 
-TEST(PrometheusText, is_a_sample_a_line) {
+TEST(PrometheusText, becomes_one_json_object_per_sample) {
     EXPECT_EQ(as_json("# HELP a b\n# TYPE a counter\na_total 7\nb{x=\"1\",y=\"\"} 1.5\n# EOF\n"),
               "{\"name\":\"a_total\",\"labels\":{},\"value\":7}\n"
               "{\"name\":\"b\",\"labels\":{\"x\":\"1\",\"y\":\"\"},\"value\":1.5}\n");
 }
 
-TEST(PrometheusText, has_labels_with_any_characters) {
+TEST(PrometheusText, accepts_labels_with_any_characters) {
     EXPECT_EQ(as_json("a{x=\"}, \\\"1\\\" \\\\ \\n\",y=\"地\"} 1\n"),
               "{\"name\":\"a\",\"labels\":{\"x\":\"}, \\\"1\\\" \\\\ \\n\",\"y\":\"地\"},\"value\":1}\n");
 }
 
-TEST(PrometheusText, what_is_no_number_of_json_stays_text) {
+TEST(PrometheusText, keeps_numbers_that_json_cannot_represent_as_text) {
     EXPECT_EQ(as_json("a NaN\nb +Inf\nc 18446744073709551615\nd 9007199254740992\n"),
               "{\"name\":\"a\",\"labels\":{},\"value\":\"NaN\"}\n"
               "{\"name\":\"b\",\"labels\":{},\"value\":\"+Inf\"}\n"
@@ -31,7 +31,7 @@ TEST(PrometheusText, what_is_no_number_of_json_stays_text) {
               "{\"name\":\"d\",\"labels\":{},\"value\":9007199254740992}\n");
 }
 
-TEST(PrometheusText, what_is_no_sample_is_passed_over) {
+TEST(PrometheusText, skips_lines_that_are_not_samples) {
     for (const char* text :
          {"", "\n\n", "a", "a ", "a{", "a{x", "a{x=", "a{x=\"", "a{x=\"1\"", "a{x=\"1\\", "a{x=\"1\"}", "a{}b"})
         EXPECT_EQ(as_json(text), "") << text;

@@ -58,7 +58,7 @@ TEST(QrText, on_a_terminal_is_black_on_white_whatever_its_colours_are) {
     EXPECT_TRUE(drawn.ends_with("\x1b[0m\n"));
 }
 
-TEST(QrText, of_what_no_code_can_hold_is_an_error) { EXPECT_THROW(qr_text(std::string(3000, 'x'), false), anoctl::Failure); }
+TEST(QrText, fails_for_a_text_that_is_too_long) { EXPECT_THROW(qr_text(std::string(3000, 'x'), false), anoctl::Failure); }
 
 }    // namespace
 }    // namespace qr_text_tests

@@ -22,7 +22,7 @@ Lines without_time(Lines lines) {
     return lines;
 }
 
-TEST(RawText, shows_whole_lines_of_each_direction_whatever_ends_them) {
+TEST(RawText, shows_complete_lines_of_each_direction_with_any_line_ending) {
     RawText text{{}};
     const auto add = [&](char direction, std::string_view bytes) { return without_time(text.add(direction, 5, bytes, start)); };
     EXPECT_EQ(add('<', "one\r"), Lines{"< one"});
@@ -41,13 +41,13 @@ TEST(RawText, shows_a_prompt_after_a_while) {
     EXPECT_FALSE(text.due());
 }
 
-TEST(RawText, decodes_gbk_also_when_a_character_comes_in_two_pieces) {
+TEST(RawText, decodes_gbk_even_if_a_character_arrives_in_two_pieces) {
     RawText text{{.encoding = ano::Encoding::gbk}};
     EXPECT_TRUE(text.add('<', 5, "\xB7\xC9\xD0", start).empty());
     EXPECT_EQ(without_time(text.add('<', 5, "\xD0\n", start)), Lines{"< 飞行"});
 }
 
-TEST(RawText, breaks_a_line_without_end) {
+TEST(RawText, breaks_a_very_long_line_into_several_lines) {
     RawText text{{}};
     const Lines lines = text.add('<', 5, std::string(10 * RawText::max_line, 'x'), start);
     EXPECT_EQ(lines.size(), 5u);
@@ -75,7 +75,7 @@ TEST(RawText, a_device_can_not_control_the_terminal) {
         }
 }
 
-TEST(RawText, hex_has_sixteen_bytes_a_line_and_no_other_characters) {
+TEST(RawText, hex_shows_sixteen_bytes_per_line_and_no_control_characters) {
     RawText text{{.hex = true}};
     const Lines lines = without_time(text.add('>', 5, std::string("ABCDEFGHIJKLMNOP\x1b\x9b", 18), start));
     ASSERT_EQ(lines.size(), 2u);

@@ -47,7 +47,7 @@ std::string flight() {
         {"anoctl 0.1.0", 1'763'898'044 * second, 100 * second});
 }
 
-TEST(Info, says_what_a_recording_holds) {
+TEST(Info, shows_the_contents_of_a_recording) {
     const support::TempDir folder;
     const auto said = anoctl({"info", folder.write("flight.pcapng", flight())});
     EXPECT_EQ(said.exit, 0) << said.err;
@@ -66,7 +66,7 @@ TEST(Info, says_what_a_recording_holds) {
     EXPECT_EQ(told["links"][0]["causes"], json({{"limited", 1}}));
 }
 
-TEST(Info, reads_what_is_cut_or_damaged_and_says_so) {
+TEST(Info, reads_truncated_and_damaged_recordings_and_reports_the_damage) {
     const std::string whole = flight();
     const auto cut = anoctl({"info", "-"}, whole.substr(0, whole.size() - 60));
     EXPECT_EQ(cut.exit, 0);
@@ -80,7 +80,7 @@ TEST(Info, reads_what_is_cut_or_damaged_and_says_so) {
     EXPECT_NE(damaged.out.find("damaged after byte " + std::to_string(whole.size())), std::string::npos) << damaged.out;
 }
 
-TEST(Info, says_that_the_clock_was_set) {
+TEST(Info, reports_that_the_clock_was_set) {
     std::vector<KeptItem> items{item(0, support::frame(1, 2, 3)), item(2, support::frame(1, 2, 3))};
     items[1].time_ns -= 3600 * second;
     const auto said = anoctl({"info", "-"}, support::write_pcapng(items, {"anoctl 0.1.0"}));
@@ -88,7 +88,7 @@ TEST(Info, says_that_the_clock_was_set) {
     EXPECT_NE(said.out.find("2 frames in 2.0 s"), std::string::npos) << said.out;
 }
 
-TEST(Info, says_what_is_no_recording) {
+TEST(Info, reports_files_that_are_not_recordings) {
     const support::TempDir folder;
     EXPECT_EQ(anoctl({"info", folder / "nothing"}).exit, 2);
     EXPECT_NE(anoctl({"info", "-"}, "").err.find("the file is empty"), std::string::npos);
@@ -98,7 +98,7 @@ TEST(Info, says_what_is_no_recording) {
     EXPECT_EQ(anoctl({"info", folder.path().string()}).exit, 2);
 }
 
-TEST(Convert, makes_a_table_of_each_message) {
+TEST(Convert, writes_one_table_per_message) {
     const support::TempDir folder;
     const std::string file = folder.write("flight.pcapng", flight());
     const auto made = anoctl({"convert", file, folder / "out.csv"});
@@ -115,7 +115,7 @@ TEST(Convert, makes_a_table_of_each_message) {
     EXPECT_EQ(text_of(folder / "out-euler.csv"), euler);
 }
 
-TEST(Convert, names_what_it_wrote) {
+TEST(Convert, names_the_written_files) {
     const support::TempDir folder;
     const std::string file = folder.write("flight.pcapng", flight());
     const std::string tables = anoctl({"convert", file, folder / "out.csv"}).err;
@@ -129,7 +129,7 @@ TEST(Convert, names_what_it_wrote) {
 }
 
 // With `alias anoctl='anoctl --control X'` the option is passed to these as well, although they use no gateway.
-TEST(Info, takes_the_socket_of_a_gateway_that_it_does_not_ask) {
+TEST(Info, accepts_the_control_option_without_using_it) {
     const support::TempDir folder;
     const std::string file = folder.write("flight.pcapng", flight()), nobody = folder / "control.sock";
     const std::string plain = anoctl({"info", file}).out;
@@ -138,7 +138,7 @@ TEST(Info, takes_the_socket_of_a_gateway_that_it_does_not_ask) {
     EXPECT_EQ(anoctl({"convert", file, "-", "--control", nobody}).exit, 0);
 }
 
-TEST(Convert, makes_one_table_of_one_message) {
+TEST(Convert, writes_a_single_table_for_one_message) {
     const support::TempDir folder;
     const std::string file = folder.write("flight.pcapng", flight());
     EXPECT_EQ(anoctl({"convert", file, folder / "one.csv", "--id", "euler"}).exit, 0);
@@ -146,7 +146,7 @@ TEST(Convert, makes_one_table_of_one_message) {
     EXPECT_EQ(anoctl({"convert", file, "-", "--id", "euler"}).out, text_of(folder / "one.csv"));
 }
 
-TEST(Convert, makes_lines_of_json) {
+TEST(Convert, writes_lines_of_json) {
     const support::TempDir folder;
     const std::string file = folder.write("flight.pcapng", flight());
     EXPECT_EQ(anoctl({"convert", file, folder / "out.ndjson"}).exit, 0);
@@ -156,7 +156,7 @@ TEST(Convert, makes_lines_of_json) {
     EXPECT_EQ(anoctl({"convert", file, "-"}).out, lines);
 }
 
-TEST(Convert, makes_a_recording_of_a_part_and_the_same_bytes_of_all) {
+TEST(Convert, writes_part_of_a_recording_or_a_copy_with_the_same_bytes) {
     const support::TempDir folder;
     const std::string file = folder.write("flight.pcapng", flight());
     EXPECT_EQ(anoctl({"convert", file, folder / "all.pcapng"}).exit, 0);
@@ -165,7 +165,7 @@ TEST(Convert, makes_a_recording_of_a_part_and_the_same_bytes_of_all) {
     EXPECT_EQ(support::read_pcapng(text_of(folder / "part.pcapng")).items.size(), 3u);    // with the loss
 }
 
-TEST(Convert, refuses_what_can_not_be_meant) {
+TEST(Convert, rejects_unusable_output_files) {
     const support::TempDir folder;
     const std::string file = folder.write("flight.pcapng", flight());
     EXPECT_EQ(anoctl({"convert", file, folder / "out.xlsx"}).exit, 2);
@@ -175,7 +175,7 @@ TEST(Convert, refuses_what_can_not_be_meant) {
     EXPECT_EQ(anoctl({"convert", file, "/dev/full", "--force"}).exit, 2);    // no ending
 }
 
-TEST(Record, refuses_what_can_not_be_meant) {
+TEST(Record, rejects_unusable_arguments) {
     const support::TempDir folder;
     const std::string nobody = folder / "control.sock";
     EXPECT_EQ(anoctl({"record", folder / "a.csv", "--control", nobody}).exit, 2);
@@ -185,7 +185,7 @@ TEST(Record, refuses_what_can_not_be_meant) {
     EXPECT_FALSE(std::filesystem::exists(folder / "a.pcapng"));    // nothing is left if there was nothing to record
 }
 
-TEST(Convert, makes_mcap_and_the_same_pcapng_of_it_again) {
+TEST(Convert, writes_mcap_that_converts_back_to_the_same_pcapng) {
     const support::TempDir folder;
     const std::string file = folder.write("flight.pcapng", flight());
     EXPECT_EQ(anoctl({"convert", file, folder / "flight.mcap"}).exit, 0);
@@ -199,7 +199,7 @@ TEST(Convert, makes_mcap_and_the_same_pcapng_of_it_again) {
     EXPECT_EQ(anoctl({"convert", folder / "flight.mcap", "-"}).out, anoctl({"convert", file, "-"}).out);
 }
 
-TEST(Convert, has_decoded_messages_as_it_is_asked_for) {
+TEST(Convert, writes_decoded_messages_in_the_requested_encoding) {
     const support::TempDir folder;
     const std::string file = folder.write("flight.pcapng", flight());
     EXPECT_EQ(anoctl({"convert", file, folder / "a.mcap", "--message-encoding", "json"}).exit, 0);
@@ -211,7 +211,7 @@ TEST(Convert, has_decoded_messages_as_it_is_asked_for) {
     EXPECT_NE(other.err.find("name OUT_FILE with .mcap"), std::string::npos) << other.err;
 }
 
-TEST(Info, says_of_mcap_by_its_index_what_it_says_of_all_of_it) {
+TEST(Info, shows_the_same_for_mcap_from_the_index_as_from_the_whole_file) {
     const support::TempDir folder;
     const std::string file = folder.write("flight.pcapng", flight()), mcap = folder / "flight.mcap";
     ASSERT_EQ(anoctl({"convert", file, mcap}).exit, 0);
@@ -227,7 +227,7 @@ TEST(Info, says_of_mcap_by_its_index_what_it_says_of_all_of_it) {
     EXPECT_EQ(indexed, of_pcapng);
 }
 
-TEST(Info, reads_all_of_an_mcap_file_whose_index_is_not_there_or_wrong) {
+TEST(Info, reads_all_of_an_mcap_file_whose_index_is_missing_or_wrong) {
     const support::TempDir folder;
     ASSERT_EQ(anoctl({"convert", folder.write("flight.pcapng", flight()), folder / "flight.mcap"}).exit, 0);
     const std::string whole = text_of(folder / "flight.mcap");
@@ -252,7 +252,7 @@ TEST(Info, reads_all_of_an_mcap_file_whose_index_is_not_there_or_wrong) {
     EXPECT_EQ(told["fault"], nullptr);
 }
 
-TEST(Info, finds_what_is_damaged_outside_of_chunks) {
+TEST(Info, finds_damage_outside_of_chunks) {
     const support::TempDir folder;
     const std::string file = folder / "flight.mcap";
     ASSERT_EQ(anoctl({"convert", folder.write("flight.pcapng", flight()), file}).exit, 0);
@@ -277,7 +277,7 @@ TEST(Info, finds_what_is_damaged_outside_of_chunks) {
     }
 }
 
-TEST(Info, does_not_miss_a_crc_that_is_not_told) {
+TEST(Info, accepts_a_file_whose_crc_is_absent) {
     const support::TempDir folder;
     const std::string file = folder / "flight.mcap";
     ASSERT_EQ(anoctl({"convert", folder.write("flight.pcapng", flight()), file}).exit, 0);
@@ -286,7 +286,7 @@ TEST(Info, does_not_miss_a_crc_that_is_not_told) {
     EXPECT_EQ(anoctl({"info", "--all", folder.write("untold.mcap", whole)}).exit, 0);
 }
 
-TEST(Info, says_what_is_damaged_in_the_middle_and_reads_what_is_behind_it) {
+TEST(Info, reports_damage_in_the_middle_and_reads_the_data_after_it) {
     const std::string whole = flight();
     std::string damaged = whole;
     const auto packet = damaged.find(std::string{"\x06\0\0\0", 4});
@@ -321,7 +321,7 @@ std::string capture_of(char link_type) {
            block(6, word(0) + word(0) + word(0) + word(4) + word(4) + "abcd");
 }
 
-TEST(Info, says_of_a_capture_of_a_network_that_it_is_none_of_a_gateway) {
+TEST(Info, reports_that_a_network_capture_is_not_a_recording_of_a_gateway) {
     const support::TempDir folder;
     const std::string file = folder.write("network.pcapng", capture_of(1));
     const std::vector<std::vector<std::string>> all{
@@ -334,7 +334,7 @@ TEST(Info, says_of_a_capture_of_a_network_that_it_is_none_of_a_gateway) {
     EXPECT_EQ(anoctl({"info", "-"}, capture_of(static_cast<char>(147))).exit, 0);    // LINKTYPE_USER0
 }
 
-TEST(Record, takes_an_ending_in_capitals_and_none_that_it_does_not_know) {
+TEST(Record, accepts_endings_in_capitals_and_rejects_unknown_endings) {
     const support::TempDir folder;
     const auto record = [&](const std::string& name) {
         return anoctl({"record", folder / name, "--control", folder / "none.sock"});
@@ -352,7 +352,7 @@ TEST(Record, takes_an_ending_in_capitals_and_none_that_it_does_not_know) {
     EXPECT_EQ(anoctl({"convert", file, folder / "A.CSV", "--id", "euler"}).exit, 0);
 }
 
-TEST(Record, says_where_the_name_of_its_file_went) {
+TEST(Record, explains_which_option_consumed_the_file_name) {
     const auto said = anoctl({"record", "--id", "euler", "power", "e1.mcap", "--seconds", "2"});
     EXPECT_EQ(said.exit, 2);
     EXPECT_NE(said.err.find("missing FILE; 'e1.mcap' was read as a value of --id; place it before --id"), std::string::npos)
@@ -360,7 +360,7 @@ TEST(Record, says_where_the_name_of_its_file_went) {
     EXPECT_EQ(anoctl({"record", "--id", "euler", "power", "--seconds", "2"}).err.find("was taken"), std::string::npos);
 }
 
-TEST(WithoutAGateway, each_command_tells_its_own_way) {
+TEST(WithoutAGateway, each_command_explains_how_to_continue) {
     const support::TempDir folder;
     const std::string none = folder / "none.sock", starts = "; to start one: anogated LINK...";
     const auto said = [&](std::vector<std::string> words) {
@@ -375,7 +375,7 @@ TEST(WithoutAGateway, each_command_tells_its_own_way) {
     EXPECT_TRUE(list.ends_with(starts + "; to work without a gateway, add --link LINK\n")) << list;
 }
 
-TEST(Info, says_of_an_mcap_file_of_another_program_that_there_are_no_frames_in_it) {
+TEST(Info, reports_that_an_mcap_file_of_another_program_contains_no_frames) {
     const support::TempDir folder;
     std::string file{anogate::mcap::magic};
     anogate::mcap::put_channel(file, {1, 0, "/camera", "cdr"});

@@ -7,7 +7,7 @@ namespace {
 
 using anoctl::refused_lengths;
 
-TEST(RefusedLengths, names_the_link_and_what_to_set) {
+TEST(RefusedLengths, names_the_link_and_the_setting_to_change) {
     const ano::Json before = ano::Json::parse(
         R"({"links": [{"name": "cam", "bad_length": 3, "too_big": 1}, {"name": "ground", "too_big": 0}]})");
     EXPECT_TRUE(refused_lengths(before, before).empty());

@@ -36,7 +36,7 @@ TEST(Table, has_columns_as_wide_as_they_need) {
     EXPECT_EQ(written(table, "  ").find("  LINK"), 0u);
 }
 
-TEST(Table, knows_how_wide_characters_are) {
+TEST(Table, measures_the_display_width_of_characters) {
     EXPECT_EQ(cells_of("abc"), 3u);
     EXPECT_EQ(cells_of("°µ"), 2u);
     EXPECT_EQ(cells_of("飞控1"), 5u);
@@ -71,7 +71,7 @@ TEST(Table, is_no_wider_than_the_terminal) {
     EXPECT_NE(narrower.str().find("hovers"), std::string::npos);
 }
 
-TEST(Table, text_is_broken_between_words) {
+TEST(Table, wraps_text_between_words) {
     EXPECT_EQ(wrapped("one two three", 0), "one two three");
     EXPECT_EQ(wrapped("one two three", 8), "one two\nthree");
     EXPECT_EQ(wrapped("one two three", 7, 2), "one two\n  three");
@@ -92,7 +92,7 @@ TEST(Table, shows_no_control_characters) {
               "a?[2Jb???c°");
 }
 
-TEST(Table, writes_times_as_people_say_them) {
+TEST(Table, writes_durations_in_readable_units) {
     EXPECT_EQ(time_text(-1), "0.0 s");
     EXPECT_EQ(time_text(0.34), "0.3 s");
     EXPECT_EQ(time_text(9.94), "9.9 s");

@@ -41,7 +41,7 @@ bool contains(const std::vector<std::string>& lines, const std::string& words) {
     return std::any_of(lines.begin(), lines.end(), [&](const std::string& line) { return line.find(words) != line.npos; });
 }
 
-TEST(TopScreen, rates_are_what_was_counted_between_two_looks) {
+TEST(TopScreen, rates_are_computed_between_two_updates) {
     HeardFrames heard{};
     heard[0xDC] = 50;
     const TopView view = top_view(status(json::array({fc(100, 10, 1), down()})), status(json::array({fc(150, 30, 5), down()})), 2,
@@ -72,7 +72,7 @@ TEST(TopScreen, a_replay_without_a_receiver_loses_nothing) {
     EXPECT_EQ(top_view(replay(0), replay(100), 1, nobody).channels.at(0).dropped, 0);
 }
 
-TEST(TopScreen, a_first_look_and_a_gateway_that_began_anew_have_no_rates) {
+TEST(TopScreen, shows_no_rates_on_the_first_update_and_after_a_gateway_restart) {
     EXPECT_EQ(top_view(json{}, status(json::array({fc(150, 30)})), 0, nobody).channels.at(0).in, 0);
     EXPECT_EQ(top_view(status(json::array({fc(150, 30)})), status(json::array({fc(5, 3)})), 1, nobody).channels.at(0).in, 0);
     EXPECT_EQ(top_view(status(json::array()), status(json::array({fc(5, 3)})), 1, nobody).channels.at(0).in, 0)
@@ -100,7 +100,7 @@ TEST(TopScreen, sorts_the_busiest_first) {
     EXPECT_EQ(by, TopSort::name) << "all were there";
 }
 
-TEST(TopScreen, is_as_large_as_the_terminal_and_counts_what_has_no_room) {
+TEST(TopScreen, fits_the_terminal_and_counts_the_rows_without_room) {
     TopView view;
     view.title = "here";
     for (int i = 0; i < 40; ++i) {
@@ -119,7 +119,7 @@ TEST(TopScreen, is_as_large_as_the_terminal_and_counts_what_has_no_room) {
     EXPECT_TRUE(contains(screen, "... and 35 more")) << "of the addresses";
 }
 
-TEST(TopScreen, a_name_writes_nothing_to_the_terminal_but_itself) {
+TEST(TopScreen, replaces_control_characters_in_names) {
     TopView view;
     view.channels.push_back({"\x1b[2J\xC2\x9B", "a\nb"});
     const auto screen = top_screen(view, TopSort::name, 80, 24);
@@ -133,7 +133,7 @@ TEST(TopScreen, a_name_writes_nothing_to_the_terminal_but_itself) {
     EXPECT_TRUE(contains(top_screen(view, TopSort::name, 80, 24), "ünterflächenmäßig x ")) << "columns are of characters";
 }
 
-TEST(TopScreen, names_have_the_width_that_there_is) {
+TEST(TopScreen, names_use_the_available_width) {
     TopView view;
     const std::string link = "a-link-with-a-long-name", peer = "[2001:db8:1234:5678:9abc:def0:1234:5678]:12333";
     view.channels = {{link, "192.168.100.100:12345", 1, 2, 3, "stale 3.0"}, {"b", peer}};
@@ -147,7 +147,7 @@ TEST(TopScreen, names_have_the_width_that_there_is) {
     EXPECT_TRUE(contains(top_screen(view, TopSort::name, 80, 24), "stale 2.0, queue_full 1.0")) << "short names leave room";
 }
 
-TEST(TopScreen, numbers_stand_apart) {
+TEST(TopScreen, numbers_are_separated_by_spaces) {
     TopView view;
     view.channels = {{"fc", "x", 99999, 99999, 99999, "", 123456, 3540.0}};
     EXPECT_TRUE(contains(top_screen(view, TopSort::name, 80, 24), " 99999 99999  99999 123456 59 min"));

@@ -32,7 +32,7 @@ TEST(WebNames, of_all_interfaces_are_those_that_others_can_reach) {
                                                                     "https://vehicle:8088/", "https://vehicle.local:8088/"}));
 }
 
-TEST(WebNames, of_one_address_are_that_and_the_hosts_names) {
+TEST(WebNames, of_one_address_are_the_address_and_the_host_names) {
     EXPECT_EQ(urls_of(door_at("192.168.1.5:80"), vehicle()),
               (Urls{"http://192.168.1.5:80/", "http://vehicle:80/", "http://vehicle.local:80/"}));
     EXPECT_EQ(url_here(door_at("192.168.1.5:80")), "http://192.168.1.5:80/");
@@ -44,13 +44,13 @@ TEST(WebNames, of_a_loopback_address_are_for_this_computer) {
     EXPECT_EQ(url_here(door_at("0.0.0.0:80", true)), "https://localhost:80/");
 }
 
-TEST(WebNames, for_phones_are_those_with_an_address_of_ipv4_first) {
+TEST(WebNames, for_phones_prefer_an_ipv4_address) {
     EXPECT_EQ(url_for_phones(door_at("[::]:8088"), {"vehicle", {address("2001:db8::5"), address("10.0.0.2")}}),
               "http://10.0.0.2:8088/");
     EXPECT_EQ(url_for_phones(door_at("[::]:8088"), {"", {address("2001:db8::5")}}), "http://[2001:db8::5]:8088/");
 }
 
-TEST(WebNames, have_what_the_configuration_adds_and_nothing_of_a_host_without_a_name) {
+TEST(WebNames, include_configured_hosts_and_skip_a_missing_host_name) {
     WebDoor door = door_at("0.0.0.0:80");
     door.hosts = {"vehicle.lan"};
     EXPECT_EQ(urls_of(door, {"", {address("10.0.0.2")}}), (Urls{"http://10.0.0.2:80/", "http://vehicle.lan:80/"}));

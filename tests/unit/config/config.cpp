@@ -13,12 +13,12 @@
 namespace anogate::config_tests {
 namespace {
 
-TEST(Config, nothing_said_is_the_defaults) {
+TEST(Config, an_empty_configuration_has_the_defaults) {
     EXPECT_EQ(settings_of("{}"), Settings{});
     EXPECT_EQ(settings_of(R"({"$schema": "./anogate.schema.json"})"), Settings{}) << "a word for editors";
 }
 
-TEST(Config, every_section) {
+TEST(Config, reads_every_section) {
     const Settings s = settings_of(R"(// comments
     {
         "gateway": {"id": 199, "name": "boat", "unknown": "fc", "forget_after": "5m"},
@@ -81,7 +81,7 @@ TEST(Config, a_mistyped_key_is_named_by_its_pointer) {
     EXPECT_EQ(faults_in(R"({"": 1})"), "/: unknown key ''\n");
 }
 
-TEST(Config, a_value_has_the_right_type) {
+TEST(Config, a_value_must_have_the_right_type) {
     const auto fault = [](const std::string& key_and_value) {
         return faults_in(R"({"links": [{"kind": "serial", "device": "/dev/x", )" + key_and_value + "}]}");
     };
@@ -119,7 +119,7 @@ TEST(Config, networks_are_a_list_of_texts_or_any) {
     EXPECT_NE(faults_in(R"({"links": [{"kind": "udp-listen", "address": "[::]:1", "allow": ["any", "10.0.0.0/8"]}]})"), "");
 }
 
-TEST(Config, what_is_needed_and_missing_is_told) {
+TEST(Config, a_missing_required_key_is_reported) {
     EXPECT_EQ(faults_in(R"({"links": [{}]})"), "/links/0: 'kind' is missing, for example \"kind\": \"serial\"\n");
     EXPECT_EQ(faults_in(R"({"links": [{"kind": "serial"}]})"), "/links/0: 'device' is missing: path of the port\n");
     EXPECT_EQ(faults_in(R"({"links": [{"kind": "seral"}]})"),
@@ -141,7 +141,7 @@ TEST(Config, a_key_given_twice_is_a_fault) {
         "/links/1/id: 'id' is given twice\n/links: 'links' is given twice\n");
 }
 
-TEST(Config, routes_lead_somewhere) {
+TEST(Config, routes_must_lead_to_an_existing_link) {
     const auto fault = [](const std::string& routes) {
         return faults_in(R"({"gateway": {"id": 99}, "links": ["sim:fc,id=3", "pty:/run/app"], "routes": [)" + routes + "]}");
     };
@@ -159,7 +159,7 @@ TEST(Config, routes_lead_somewhere) {
             << address;
 }
 
-TEST(Config, unknown_names_a_link_that_is) {
+TEST(Config, unknown_must_name_an_existing_link) {
     EXPECT_EQ(faults_in(R"({"gateway": {"unknown": "app"}, "links": ["pty:/run/app"]})"), "");
     EXPECT_EQ(faults_in(R"({"gateway": {"unknown": "flod"}, "links": ["pty:/run/app"]})"),
               "/gateway/unknown: there is no link 'flod' (did you mean 'flood'?); use flood, drop, or one of app\n");
@@ -167,7 +167,7 @@ TEST(Config, unknown_names_a_link_that_is) {
               "/gateway/unknown: there is no link 'dorp' (did you mean 'drop'?); use flood, drop, or a link\n");
 }
 
-TEST(Config, ids_are_of_one_thing_each) {
+TEST(Config, ids_must_be_unique_and_in_range) {
     EXPECT_EQ(faults_in(R"({"gateway": {"id": 3}, "links": [{"kind": "sim", "device": "fc", "id": 3}]})"),
               "/links/0/id: 'id' 3 is the gateway's own id\n");
     EXPECT_EQ(faults_in(R"({"gateway": {"id": 255}})"),
@@ -176,7 +176,7 @@ TEST(Config, ids_are_of_one_thing_each) {
               "/gateway/id: 'id' must be an address from 1 to 254 (or in hex such as 0x05), not '0x00'\n");
 }
 
-TEST(Config, a_link_that_cannot_be_read_brings_no_faults_about_its_name) {
+TEST(Config, an_invalid_link_causes_no_errors_about_its_name) {
     EXPECT_EQ(
         faults_in(R"({"links": ["sim:plane,name=x"], "routes": [{"address": 5, "link": "x"}], "gateway": {"unknown": "y"}})"),
         "/links/0: LINK 'sim:plane,name=x': 'device' must be one of fc, imu, flow, radio, car, not 'plane'\n");
@@ -185,14 +185,14 @@ TEST(Config, a_link_that_cannot_be_read_brings_no_faults_about_its_name) {
     EXPECT_EQ(std::count(beside_another.begin(), beside_another.end(), '\n'), 1) << beside_another;
 }
 
-TEST(Config, one_fault_brings_no_others) {
+TEST(Config, one_error_causes_no_further_errors) {
     EXPECT_EQ(faults_in(R"({"links": {"a": "sim:fc"}, "routes": [{"address": 5, "link": "fc"}]})"),
               "/links: must be a list [...], not an object\n");
     EXPECT_EQ(faults_in(R"({"links": [{"kind": "can", "interface": "can0", "framing": 5, "tx": "0x7E0", "rx": "0x7E8"}]})"),
               "/links/0/framing: 'framing' must be one of stream, isotp, not 5\n");
 }
 
-TEST(Config, a_key_without_a_name_is_a_mistyped_one) {
+TEST(Config, an_empty_key_is_reported_as_unknown) {
     for (const std::string section : {"gateway", "control", "log"})
         EXPECT_EQ(faults_in("{\"" + section + "\": {\"\": {}}}"), "/" + section + "/: unknown key ''\n");
 }
@@ -207,7 +207,7 @@ TEST(Config, a_long_text_is_cut_between_its_characters) {
     }
 }
 
-TEST(Config, text_that_is_no_json_is_told_with_line_and_column) {
+TEST(Config, invalid_json_is_reported_with_line_and_column) {
     EXPECT_EQ(faults_in("{\"a\":\n  [1,}"),
               ": line 2, column 6: syntax error while parsing value - unexpected '}'; expected '[', '{', or a literal (is there "
               "an extra comma before it?)\n");
@@ -216,7 +216,7 @@ TEST(Config, text_that_is_no_json_is_told_with_line_and_column) {
         EXPECT_EQ(faults_in(text).rfind(": line ", 0), 0u) << faults_in(text);
 }
 
-TEST(Config, nesting_without_end_is_refused) {
+TEST(Config, nesting_deeper_than_32_levels_is_rejected) {
     const std::string brackets(1'000'000, '[');
     EXPECT_NE(faults_in(brackets).find("nested deeper than 32 levels\n"), std::string::npos);
     EXPECT_EQ(lines(parse_config(brackets).errors).find('\n'), lines(parse_config(brackets).errors).size() - 1);
@@ -235,7 +235,7 @@ TEST(Config, the_file_is_named_before_the_pointer) {
 
 // The link `control`.
 
-TEST(Config, the_control_link_has_rules_as_every_link) {
+TEST(Config, the_control_link_has_rules_like_every_link) {
     const Settings settings = settings_of(
         R"({"control": {"receive": {"deny": ["0x09"]}, "send": {"deny_sources": ["0xFE"]}, "limit": {"euler": 5}}})");
     EXPECT_EQ(settings.control.rules.receive.deny, (std::vector<ByteRange>{{0x09, 0x09}}));
@@ -245,7 +245,7 @@ TEST(Config, the_control_link_has_rules_as_every_link) {
     EXPECT_FALSE(is_control_configured(settings_of(R"({"control": {"socket": "/tmp/x"}})")));
 }
 
-TEST(Config, the_control_link_may_be_named_and_is_there_then) {
+TEST(Config, the_control_link_is_configured_when_it_is_named) {
     EXPECT_TRUE(is_control_configured(settings_of(R"({"routes": [{"address": 30, "link": "control"}]})")));
     EXPECT_TRUE(is_control_configured(settings_of(R"({"gateway": {"unknown": "control"}})")));
     EXPECT_TRUE(is_control_configured(
@@ -258,14 +258,14 @@ TEST(Config, the_control_link_may_be_named_and_is_there_then) {
     }
 }
 
-TEST(Config, says_where_a_key_of_a_link_stands) {
+TEST(Config, explains_where_a_link_key_belongs) {
     for (const std::string key : {"send", "limit", "baud", "age", "group"})
         EXPECT_EQ(faults_in(R"({"links": [], ")" + key + R"(": 1})"),
                   "/" + key + ": '" + key + "' is a key of a link: put it into an object in \"links\"\n");
     EXPECT_EQ(faults_in(R"({"links": [], "id": 1})"), "/id: unknown key 'id'\n");
 }
 
-TEST(Config, what_is_dotted_in_a_link_text_is_nested_in_a_file) {
+TEST(Config, dotted_keys_of_a_link_text_must_be_nested_in_a_file) {
     const auto fault = [](const std::string& keys) {
         return faults_in(R"({"links": [{"kind": "sim", "device": "fc", )" + keys + "}]}");
     };
@@ -276,13 +276,13 @@ TEST(Config, what_is_dotted_in_a_link_text_is_nested_in_a_file) {
     EXPECT_EQ(fault(R"("a.b": 5)"), "/links/0/a.b: unknown key 'a.b'\n");
 }
 
-TEST(Config, a_network_in_a_file_stands_in_a_list) {
+TEST(Config, a_network_in_a_file_must_be_in_a_list) {
     EXPECT_EQ(faults_in(R"({"links": ["sim:fc"], "tunnel": {"links": ["fc"], "allow": "10.8.0.0/24"}})"),
               "/tunnel/allow: 'allow' must be a list such as [\"10.8.0.0/24\"], not the text \"10.8.0.0/24\"\n");
     EXPECT_EQ(faults_in(R"({"links": ["sim:fc"], "tunnel": {"links": ["fc"], "allow": "any"}})"), "");
 }
 
-TEST(Config, what_is_missing_is_told_with_its_choices) {
+TEST(Config, a_missing_key_is_reported_with_its_choices) {
     EXPECT_EQ(faults_in(R"({"links": ["sim:fc"], "gpio": [{"line": "A", "link": "fc"}]})")
                   .rfind("/gpio/0: 'use' is missing, one of link_up, activity, power, reset, inhibit, rs485: on while", 0),
               0u);
@@ -297,7 +297,7 @@ TEST(Config, flexible_layouts_are_read_and_kept_for_the_tools) {
     EXPECT_EQ(parse_config(print_config(draft.settings)).settings, draft.settings);
 }
 
-TEST(Config, faults_of_flexible_layouts_name_their_place) {
+TEST(Config, errors_in_flexible_layouts_name_their_location) {
     const Draft draft = parse_config(
         R"({"flexible": [{"id": 240, "fields": [{"name": "a", "type": "u8"}]},
                          {"id": "0xF1", "fields": [{"name": "a", "type": "u9"}]}]})",

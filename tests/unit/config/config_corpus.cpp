@@ -25,7 +25,7 @@ std::string changed(std::string text, support::Random& random) {
     return text;
 }
 
-TEST(ConfigCorpus, holds_the_laws) {
+TEST(ConfigCorpus, satisfies_the_invariants) {
     std::size_t seeds = 0;
     for (const auto& entry : std::filesystem::directory_iterator{support::source_file("tests/fuzz/corpus/config")}) {
         const std::string text = support::text_of(entry.path());

@@ -15,7 +15,7 @@ std::string with_gpio(std::string_view lines) {
     return "{" + std::string{gpio_links} + ", \"gpio\": [" + std::string{lines} + "]}";
 }
 
-TEST(ConfigGpio, every_use) {
+TEST(ConfigGpio, reads_every_use) {
     const Settings s = settings_of(with_gpio(R"(
         {"chip": "gpiochip0", "line": 17, "use": "link_up", "link": "fc"},
         {"line": "ACT_LED", "use": "activity", "link": "ground"},
@@ -37,7 +37,7 @@ TEST(ConfigGpio, every_use) {
     EXPECT_NE(print_config(s).find("\"line\": 17,"), std::string::npos) << "a number stays one";
 }
 
-TEST(ConfigGpio, faults_name_their_place) {
+TEST(ConfigGpio, errors_name_their_location) {
     const auto fault = [](std::string_view line) { return faults_in(with_gpio(line)); };
     EXPECT_EQ(fault(R"({"chip": "c", "line": 1, "use": "link_up", "link": "fc", "active_lo": true})"),
               "/gpio/0/active_lo: unknown key 'active_lo' (did you mean 'active_low'?)\n");
@@ -60,7 +60,7 @@ TEST(ConfigGpio, faults_name_their_place) {
     EXPECT_EQ(faults_in(R"({"gpio": {}})"), "/gpio: must be a list [...], not an object\n");
 }
 
-TEST(ConfigGpio, a_use_needs_what_it_works_on) {
+TEST(ConfigGpio, a_use_requires_the_links_it_acts_on) {
     const auto fault = [](std::string_view line) { return faults_in(with_gpio(line)); };
     EXPECT_EQ(fault(R"({"line": "x", "use": "activity"})"), "/gpio/0: 'link' is missing: the name of the link\n");
     EXPECT_EQ(fault(R"({"line": "x", "use": "rs485"})"), "/gpio/0: 'link' is missing: the name of the link\n");
@@ -75,7 +75,7 @@ TEST(ConfigGpio, a_use_needs_what_it_works_on) {
               "/gpio/0/link: 'link' 'fc' is not a serial port: rs485 needs one\n");
 }
 
-TEST(ConfigGpio, when_is_a_silence) {
+TEST(ConfigGpio, when_must_be_a_silence_with_a_duration) {
     const auto fault = [](std::string_view when) {
         return faults_in(with_gpio(R"({"line": "x", "use": "reset", "link": "fc", "when": ")" + std::string{when} + "\"}"));
     };
@@ -86,7 +86,7 @@ TEST(ConfigGpio, when_is_a_silence) {
         EXPECT_EQ(fault(bad), must + "'" + bad + "'\n");
 }
 
-TEST(ConfigGpio, a_line_is_used_once) {
+TEST(ConfigGpio, a_line_can_be_used_only_once) {
     EXPECT_EQ(faults_in(with_gpio(R"({"line": "x", "use": "power"}, {"line": "x", "use": "reset"})")),
               "/gpio/1/line: 'line' 'x' is already used by /gpio/0\n");
     EXPECT_EQ(faults_in(with_gpio(

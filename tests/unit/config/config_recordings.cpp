@@ -9,12 +9,12 @@
 namespace anogate::config_recordings_tests {
 namespace {
 
-TEST(Config, without_a_section_for_it_records_nothing_by_itself) {
+TEST(Config, records_nothing_without_a_record_section) {
     EXPECT_FALSE(settings_of("{}").record.has_value());
     EXPECT_EQ(settings_of(R"({"record": {}})").record, RecordSettings{});
 }
 
-TEST(Config, faults_of_what_is_to_be_recorded_name_their_place) {
+TEST(Config, errors_in_the_record_section_name_their_location) {
     EXPECT_EQ(faults_in(R"({"record": {"direction": ["in", "ot"]}})"),
               "/record/direction: 'direction' has 'ot', which is not in, out or dropped (did you mean 'out'?)\n");
     EXPECT_EQ(faults_in(R"({"record": {"direction": []}})"),
@@ -30,7 +30,7 @@ TEST(Config, faults_of_what_is_to_be_recorded_name_their_place) {
               "/record/message_encoding: 'message_encoding' must be one of cdr, json, not 'xml'\n");
 }
 
-TEST(Config, a_size_of_recordings_whose_unit_was_forgotten_is_refused) {
+TEST(Config, a_recording_size_without_its_unit_is_rejected) {
     EXPECT_EQ(faults_in(R"({"record": {"keep": {"size": "20"}}})"),
               "/record/keep/size: 'keep.size' must be 0 or at least 100kB, not 20 bytes: add a unit, such as 20GB\n");
     EXPECT_EQ(faults_in(R"({"record": {"keep": {"size": 99999}}})").substr(0, 18), "/record/keep/size:");
@@ -45,7 +45,7 @@ TEST(Config, a_size_of_recordings_whose_unit_was_forgotten_is_refused) {
     EXPECT_EQ(faults_in(R"({"record": {"keep": {"size": 0, "free": 0}, "rotate": {"size": "0"}, "free": 0}})"), "");
 }
 
-TEST(Config, an_encoding_of_messages_without_mcap_is_warned_of) {
+TEST(Config, warns_of_a_message_encoding_without_mcap) {
     const auto warnings_in = [](const std::string& record) {
         return lines(parse_config(R"({"links": ["sim:fc"], "record": )" + record + "}").warnings);
     };
@@ -58,7 +58,7 @@ TEST(Config, an_encoding_of_messages_without_mcap_is_warned_of) {
     EXPECT_EQ(warnings_in(R"({"message_encoding": "cdr"})"), "");
 }
 
-TEST(Config, files_larger_than_all_recordings_may_be_are_warned_of) {
+TEST(Config, warns_of_files_larger_than_the_limit_for_all_recordings) {
     const auto warnings_in = [](const std::string& record) {
         return lines(parse_config(R"({"links": ["sim:fc"], "record": )" + record + "}").warnings);
     };

@@ -9,7 +9,7 @@
 namespace anogate::config_rules_tests {
 namespace {
 
-TEST(Config, rules_are_objects_in_objects) {
+TEST(Config, rules_are_nested_objects) {
     const Draft draft = parse_config(R"({"links": [{"kind": "sim", "device": "fc", "age": {"control": "50ms"},
         "receive": {"deny": ["firmware", 1, "0x10-0x12"], "allow_sources": [254, "30-40"]},
         "send": {"allow": ["urgent"]}, "limit": {"inertial": 50, "0x03": 12.5}}]})");
@@ -23,7 +23,7 @@ TEST(Config, rules_are_objects_in_objects) {
     EXPECT_EQ(link.rules.limit, (std::vector<LimitRule>{{1, 50}, {3, 12.5}}));
 }
 
-TEST(Config, faults_of_rules_name_their_place) {
+TEST(Config, errors_in_rules_name_their_location) {
     const auto fault = [](const std::string& keys) {
         return faults_in(R"({"links": [{"kind": "sim", "device": "fc", )" + keys + "}]}");
     };
@@ -67,7 +67,7 @@ TEST(Config, an_alias_is_one_id_of_one_device) {
               "/alias/1/as: 'as' 0x29 is the id of a device on this link that itself has an alias (/alias/0)\n");
 }
 
-TEST(Config, present_as_is_an_address_and_no_port_id) {
+TEST(Config, present_as_must_be_an_address_and_not_a_port_id) {
     const auto fault = [](const std::string& links) {
         return faults_in(R"({"gateway": {"id": 199}, "links": [)" + links + "]}");
     };
@@ -83,7 +83,7 @@ TEST(Config, present_as_is_an_address_and_no_port_id) {
               std::string::npos);
 }
 
-TEST(Config, a_class_is_of_one_id_that_is_no_command) {
+TEST(Config, a_class_applies_to_one_id_that_is_not_a_command) {
     const Draft draft = parse_config(R"({"classes": [{"id": "0xF5", "class": "control", "age": "150ms"},
         {"id": "flexible2", "class": "telemetry", "replaces": true}, {"id": "log", "class": "bulk"}]})");
     EXPECT_EQ(lines(draft.errors), "");

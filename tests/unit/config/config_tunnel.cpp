@@ -11,7 +11,7 @@
 namespace anogate::config_tunnel_tests {
 namespace {
 
-TEST(Config, a_tunnel_has_its_defaults_and_is_none_without_the_key) {
+TEST(Config, a_tunnel_has_defaults_and_exists_only_with_its_key) {
     EXPECT_FALSE(settings_of("{}").tunnel);
     EXPECT_EQ(settings_of(R"({"tunnel": {}})").tunnel, TunnelSettings{});
     const TunnelSettings t;
@@ -37,7 +37,7 @@ TEST(Config, a_tunnel_is_read_as_it_is_written) {
     EXPECT_EQ(t, expected);
 }
 
-TEST(Config, a_tunnel_names_hosts) {
+TEST(Config, a_tunnel_may_name_hosts) {
     const std::string text = R"({"links": ["serial:/dev/fc"], "tunnel": {"links": ["fc"], "ip": "gw.example.org",
         "allow": ["ground.local", "10.0.0.0/8"], "wrap": [{"from": "radio", "link": "fc"}]}})";
     const TunnelSettings t = *settings_of(text).tunnel;
@@ -52,7 +52,7 @@ TEST(Config, a_tunnel_names_hosts) {
 }
 
 // For links whose peers are in the network, and for other links.
-TEST(Config, a_tunnel_relays_the_network_to_local_programs_only_where_that_is_said) {
+TEST(Config, a_tunnel_relays_the_network_to_local_programs_only_if_configured) {
     const auto faults = [](const std::string& link, const std::string& allow, const std::string& more = {}) {
         return faults_in("{\"links\": [\"" + link +
                          ",name=g\", \"sim:fc\"], \"tunnel\": {\"links\": [\"fc\", \"g\"], \"port\": 1, \"allow\": [" + allow +
@@ -76,7 +76,7 @@ TEST(Config, a_tunnel_relays_the_network_to_local_programs_only_where_that_is_sa
         << "its tunnel frames are not carried";
 }
 
-TEST(Config, a_check_knows_the_addresses_of_this_computer_too) {
+TEST(Config, a_check_also_considers_the_addresses_of_this_computer) {
     const auto faults = [](const std::string& allow, const std::string& relay = "false") {
         Draft draft = parse_config(R"({"links": ["udp-listen:0.0.0.0:1,name=g"], "tunnel": {"links": ["g"], "allow": [")" +
                                    allow + R"("], "relay": )" + relay + "}}");
@@ -90,7 +90,7 @@ TEST(Config, a_check_knows_the_addresses_of_this_computer_too) {
     EXPECT_EQ(faults("192.168.1.6/32"), 0u);
 }
 
-TEST(Config, faults_of_a_tunnel_name_their_place) {
+TEST(Config, errors_in_a_tunnel_name_their_location) {
     EXPECT_EQ(
         faults_in(R"({"links": ["serial:/dev/fc", "udp-listen:0.0.0.0:12333,name=g"], "tunnel": {"links": ["fd"], "bind": "::",
         "ip": "0.0.0.0", "delivers": "x", "allow": ["::1/128"], "wrap": [{"from": "192.168.0", "as": "ip", "link": "tunnel"}, 5]}})"),

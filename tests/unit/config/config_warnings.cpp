@@ -49,7 +49,7 @@ TEST(Config, warns_of_frames_that_block_a_slow_line) {
     EXPECT_NE(warnings("udp:127.0.0.1:5,rate=79").find("even a frame without DATA takes more than 100 ms"), std::string::npos);
 }
 
-TEST(Config, speaks_first_only_where_that_can_be_done) {
+TEST(Config, allows_hello_only_where_it_is_possible) {
     EXPECT_NE(
         faults_of({"udp-listen:0.0.0.0:12333,hello=on"}).find("'hello' is not possible on udp-listen, which learns its peers"),
         std::string::npos);
@@ -67,7 +67,7 @@ TEST(Config, speaks_first_only_where_that_can_be_done) {
               std::string::npos);
 }
 
-TEST(Config, warns_of_peers_that_may_take_more_memory_than_a_small_computer_spares) {
+TEST(Config, warns_of_peers_that_may_use_too_much_memory_for_a_small_computer) {
     const auto warnings = [](const std::string& link) { return lines(parse_config("{\"links\": [\"" + link + "\"]}").warnings); };
     EXPECT_EQ(warnings("udp-listen:0.0.0.0:1"), "");
     EXPECT_EQ(warnings("udp-listen:0.0.0.0:1,queue=1000000,max_peers=64"), "");
@@ -76,7 +76,7 @@ TEST(Config, warns_of_peers_that_may_take_more_memory_than_a_small_computer_spar
     EXPECT_EQ(warnings("serial:/dev/ttyS0,queue=60000000"), "");
 }
 
-TEST(Config, warns_of_what_is_as_good_as_not_said) {
+TEST(Config, warns_of_settings_without_a_useful_effect) {
     const auto warnings = [](const std::string& json) { return lines(parse_config(json).warnings); };
     EXPECT_EQ(warnings("{}"), "anogated: warning: the configuration has no links, so no frames will be forwarded\n");
     EXPECT_EQ(warnings(R"({"gateway": {"nme": "boat"}})"), "") << "what else was to be there is not known";

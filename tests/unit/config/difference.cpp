@@ -28,7 +28,7 @@ std::string told(const Difference& difference) {
     return all;
 }
 
-TEST(Difference, of_the_same_is_none) {
+TEST(Difference, of_identical_configurations_is_empty) {
     const std::string config = R"({"gateway": {"id": 199}, "links": ["sim:fc", "serial:/dev/x,limit.0x01=50,send.deny=firmware"],
         "routes": [{"address": 3, "link": "fc"}], "tunnel": {"links": ["x"]}, "alias": [{"link": "x", "device": 5, "as": 31}]})";
     const Difference d = between(config, config);
@@ -37,7 +37,7 @@ TEST(Difference, of_the_same_is_none) {
     EXPECT_TRUE(d.needs_restart.empty());
 }
 
-TEST(Difference, is_told_link_by_link) {
+TEST(Difference, is_reported_link_by_link) {
     const Difference d = between(
         R"({"links": ["serial:/dev/a,baud=500000,name=fc", "sim:fc,name=sim", "serial:/dev/b,name=gps"]})",
         R"({"links": ["pty:/run/x,name=app", "sim:fc,name=sim", "serial:/dev/a,baud=115200,name=fc"]})");
@@ -49,7 +49,7 @@ TEST(Difference, is_told_link_by_link) {
     EXPECT_EQ(d.of("nobody"), Change::same);
 }
 
-TEST(Difference, names_keys_as_the_configuration_does) {
+TEST(Difference, names_keys_as_in_the_configuration) {
     const auto of_link = [](const std::string& before, const std::string& after) {
         const Difference d = between("{\"links\": [\"" + before + "\"]}", "{\"links\": [\"" + after + "\"]}");
         return d.links.front().differences;
@@ -64,7 +64,7 @@ TEST(Difference, names_keys_as_the_configuration_does) {
     EXPECT_EQ(kind.front(), "kind: sim -> pty");
 }
 
-TEST(Difference, counts_aliases_and_the_transceiver_as_the_links) {
+TEST(Difference, assigns_aliases_and_the_transceiver_to_their_links) {
     const std::string links = R"("links": ["serial:/dev/x,name=bus", "sim:fc"])";
     const Difference alias = between("{" + links + "}",
                                      "{" + links + R"(, "alias": [{"link": "bus", "device": "0xDE", "as": 31}]})");
@@ -80,7 +80,7 @@ TEST(Difference, counts_aliases_and_the_transceiver_as_the_links) {
     EXPECT_EQ(lamp.gateway.size(), 1u);
 }
 
-TEST(Difference, of_the_tunnel_is_that_of_a_link) {
+TEST(Difference, of_the_tunnel_is_reported_like_that_of_a_link) {
     const auto with = [](const std::string& more) { return R"({"links": ["sim:fc", "sim:fc,name=two"])" + more + "}"; };
     EXPECT_EQ(between(with(""), with(R"(, "tunnel": {"links": ["fc"]})")).of("tunnel"), Change::added);
     EXPECT_EQ(between(with(R"(, "tunnel": {"links": ["fc"]})"), with("")).of("tunnel"), Change::removed);
@@ -99,7 +99,7 @@ TEST(Difference, of_the_tunnel_is_that_of_a_link) {
     EXPECT_EQ(smaller.of("tunnel"), Change::same);
 }
 
-TEST(Difference, of_all_else_says_what_needs_a_restart) {
+TEST(Difference, lists_other_changes_that_need_a_restart) {
     const Difference d = between(
         R"({"links": ["sim:fc"], "routes": [{"address": 3, "link": "fc"}, {"address": 4, "link": "fc"}], "log": {"level": "info"}})",
         R"({"links": ["sim:fc"], "routes": [{"address": 4, "link": "fc"}, {"address": 5, "link": "fc"}],
@@ -112,7 +112,7 @@ TEST(Difference, of_all_else_says_what_needs_a_restart) {
         << "nothing to do while it runs";
 }
 
-TEST(Difference, of_what_is_recorded_takes_effect_at_once) {
+TEST(Difference, in_recording_settings_takes_effect_at_once) {
     EXPECT_EQ(between("{}", R"({"record": {"keep_last": "5s"}})").needs_restart, Lines{});
     EXPECT_EQ(
         between(R"({"record": {"keep_last": "5s"}})", R"({"record": {"keep_last": "6s", "rotate": {"size": "1MB"}}})").gateway,
@@ -121,7 +121,7 @@ TEST(Difference, of_what_is_recorded_takes_effect_at_once) {
     EXPECT_TRUE(between(R"({"record": {}})", R"({"record": {"start": true}})").is_none());
 }
 
-TEST(Difference, of_the_order_alone_is_one_of_the_links_only) {
+TEST(Difference, reports_a_changed_order_only_for_links) {
     EXPECT_EQ(between(R"({"links": ["sim:fc", "sim:fc,name=b"]})", R"({"links": ["sim:fc,name=b", "sim:fc,name=fc"]})").gateway,
               Lines{"links: another order"});
     EXPECT_TRUE(between(R"({"links": ["sim:fc"], "routes": [{"address": 3, "link": "fc"}, {"address": 4, "link": "fc"}]})",
@@ -129,7 +129,7 @@ TEST(Difference, of_the_order_alone_is_one_of_the_links_only) {
                     .is_none());
 }
 
-TEST(Difference, what_needs_a_restart_stays_as_it_runs) {
+TEST(Difference, keeps_running_settings_that_need_a_restart) {
     const Settings running = settings(R"({"control": {"socket": "/run/a"}, "log": {"file": "/var/log/a", "level": "info"}})");
     const Settings wanted = settings(
         R"({"links": ["sim:fc"], "control": {"socket": "/run/b"}, "log": {"file": "/var/log/b", "rotate": 5, "level": "debug"}})");

@@ -56,7 +56,7 @@ void add_names(std::set<std::string>& names, const json& object, const std::stri
     }
 }
 
-TEST(Keys, have_a_name_once_in_a_kind) {
+TEST(Keys, have_unique_names_within_a_kind) {
     for (const LinkKind* kind : link_kinds()) {
         std::set<std::string_view> names;
         for (const Key<LinkSettings>* key : keys_of(*kind, link_kinds()).keys)
@@ -64,7 +64,7 @@ TEST(Keys, have_a_name_once_in_a_kind) {
     }
 }
 
-TEST(Keys, the_address_of_a_kind_is_needed_and_its_example_is_right) {
+TEST(Keys, the_address_of_a_kind_is_required_and_its_example_is_valid) {
     for (const LinkKind* kind : link_kinds()) {
         const auto* key = find_key(kind->keys, kind->address);
         ASSERT_NE(key, nullptr) << kind->name;
@@ -74,7 +74,7 @@ TEST(Keys, the_address_of_a_kind_is_needed_and_its_example_is_right) {
     }
 }
 
-TEST(Keys, write_what_they_read) {
+TEST(Keys, are_written_as_they_are_read) {
     Draft all = parse_config(with_examples(sample()));
     for (const LinkSettings& link : all.settings.links)
         for (const Key<LinkSettings>* key : keys_of(*link.kind, link_kinds()).keys) {
@@ -122,7 +122,7 @@ TEST(Keys, are_all_in_the_schema) {
     });
 }
 
-TEST(Sample, is_a_configuration_and_has_the_defaults) {
+TEST(Sample, is_a_valid_configuration_with_the_defaults) {
     const Draft draft = parse_config(sample());
     EXPECT_EQ(lines(draft.errors), "");
     Settings defaults;

@@ -204,7 +204,7 @@ Settings random_settings(support::Random& random) {
     return s;
 }
 
-TEST(PrintConfig, what_is_printed_means_the_same_and_prints_the_same) {
+TEST(PrintConfig, prints_a_configuration_that_reads_back_and_prints_the_same) {
     for (std::uint64_t seed = 0; seed < (support::sanitized ? 100 : 1000); ++seed) {
         support::Random random{seed};
         const Settings settings = random_settings(random);
@@ -216,7 +216,7 @@ TEST(PrintConfig, what_is_printed_means_the_same_and_prints_the_same) {
     }
 }
 
-TEST(PrintConfig, leaves_out_what_is_not_set) {
+TEST(PrintConfig, leaves_out_keys_that_are_not_set) {
     const std::string printed = print_config(settings_of(R"({"links": ["serial:/dev/x", "udp:1.2.3.4:5"]})"));
     for (const char* key :
          {"\"id\"", "\"dtr\"", "\"rts\"", "\"bind\"", "\"allow\"", "\"interface\"", "\"socket\"", "\"file\"", "\"\""})

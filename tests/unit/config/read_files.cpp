@@ -30,7 +30,7 @@ protected:
     support::TempDir folder;
 };
 
-TEST_F(ReadFiles, lists_of_conf_d_are_added_by_the_name_of_their_file) {
+TEST_F(ReadFiles, lists_of_conf_d_are_appended_in_order_of_file_names) {
     write("a.json", R"({"gateway": {"id": 9}, "links": ["sim:fc"], "routes": [{"address": 3, "link": "fc"}]})");
     write(
         "conf.d/20-b.json",
@@ -52,7 +52,7 @@ TEST_F(ReadFiles, lists_of_conf_d_are_added_by_the_name_of_their_file) {
     EXPECT_EQ(draft.settings.gateway.name, "boat");
 }
 
-TEST_F(ReadFiles, a_key_given_in_two_files_names_both) {
+TEST_F(ReadFiles, an_error_for_a_key_in_two_files_names_both_files) {
     write("a.json", R"({"gateway": {"id": 9}, "log": {"level": "info"}, "links": ["sim:fc"], "tunnel": {"links": ["fc"]}})");
     write("conf.d/10.json",
           R"({"gateway": {"id": 8}, "log": {"level": "info"}, "tunnel": {"port": 5}, "control": {"socket": "none"}})");
@@ -80,7 +80,7 @@ TEST_F(ReadFiles, a_fault_names_its_file) {
     EXPECT_NE(now.find("conf.d/30.json: /flexible/0"), std::string::npos) << now;
 }
 
-TEST_F(ReadFiles, what_can_not_be_read_is_told) {
+TEST_F(ReadFiles, reports_unreadable_files) {
     EXPECT_NE(faults().find("a.json: No such file or directory"), std::string::npos);
     write("a.json", "{}");
     std::filesystem::create_directory(folder / "conf.d/10.json");

@@ -37,7 +37,7 @@ std::string fault_of(const std::string& link) {
     return text.substr(std::min(text.size(), start.size()), text.size() - start.size() - 1);
 }
 
-TEST(LinkText, of_great_length_is_told_in_short_lines) {
+TEST(LinkText, a_very_long_text_is_reported_in_short_lines) {
     std::string text = "sim:fc";
     while (text.size() < 1 << 16) text += ",k=v";
     Draft draft{link_kinds()};
@@ -47,7 +47,7 @@ TEST(LinkText, of_great_length_is_told_in_short_lines) {
     EXPECT_LT(told, std::size_t{1} << 24);
 }
 
-TEST(LinkText, a_port_that_can_be_none_is_told_with_what_was_meant) {
+TEST(LinkText, an_impossible_device_path_is_reported_with_a_suggestion) {
     EXPECT_EQ(fault_of("serial:ttyUSB0"), "'device' 'ttyUSB0' is not the path of a port (did you mean '/dev/ttyUSB0'?)");
     EXPECT_EQ(fault_of("serial:dev/ttyS0,baud=9600"),
               "'device' 'dev/ttyS0' is not the path of a port (did you mean '/dev/ttyS0'?)");
@@ -77,7 +77,7 @@ TEST(LinkText, a_full_width_separator_is_named) {
     EXPECT_EQ(fault_of("serial:/dev/ttyUSB0,baud＝500000"), "full-width '＝': write '='");
 }
 
-TEST(LinkText, who_sets_the_bit_rate_of_a_bus_is_told) {
+TEST(LinkText, explains_how_to_set_the_bit_rate_of_a_can_bus) {
     const std::string told = " is not a key of can: set the bit rate with sudo ip link set can0 up type can bitrate 500000";
     EXPECT_EQ(fault_of("can:can0,bitrate=500000"), "'bitrate'" + told);
     EXPECT_EQ(fault_of("can:can0,baud=500000"), "'baud'" + told);
@@ -87,7 +87,7 @@ TEST(LinkText, who_sets_the_bit_rate_of_a_bus_is_told) {
     EXPECT_EQ(fault_of("ttyUSB0"), "the kind is missing (did you mean 'serial:/dev/ttyUSB0'?)");
 }
 
-TEST(LinkText, serial) {
+TEST(LinkText, reads_a_serial_link) {
     const LinkSettings link = link_of(
         "serial:/dev/ttyUSB0,baud=123456,parity=even,stop_bits=2,flow=hardware,low_latency=no,pace=off,dtr=off,rts");
     LinkSettings expected = of_kind("serial");
@@ -97,7 +97,7 @@ TEST(LinkText, serial) {
     EXPECT_EQ(link, expected);
 }
 
-TEST(LinkText, traffic) {
+TEST(LinkText, reads_the_traffic_keys) {
     const LinkSettings link = link_of(
         "udp:10.0.0.1:5,group=air,rate=5000,latency=50ms,pack=no,mtu=500,age.telemetry=300ms,"
         "receive.deny=firmware+0xB0,send.allow_destinations=30-40,limit.0x01=50,limit.euler=0.5");
@@ -112,7 +112,7 @@ TEST(LinkText, traffic) {
     EXPECT_EQ(link.rules.limit, (std::vector<LimitRule>{{1, 50}, {3, 0.5}}));
 }
 
-TEST(LinkText, faults_of_traffic) {
+TEST(LinkText, reports_errors_of_traffic_keys) {
     EXPECT_NE(fault_of("sim:fc,limit=5").find("write limit.0x01=50"), std::string::npos);
     EXPECT_NE(fault_of("sim:fc,limit.telemetry=5").find("not for 'telemetry', which covers several"), std::string::npos);
     EXPECT_NE(fault_of("sim:fc,limit.0x01-0x0F=5").find("not for '0x01-0x0F', which covers several"), std::string::npos);
@@ -129,7 +129,7 @@ TEST(LinkText, serial_has_defaults) {
     EXPECT_EQ(link_of("serial:/dev/ttyUSB0"), expected);
 }
 
-TEST(LinkText, keys_of_every_link) {
+TEST(LinkText, reads_the_keys_common_to_all_links) {
     const LinkSettings link = link_of(
         "sim:fc,hz=100,name=飞控,id=0x05,max_data=65535,queue=70000,flood=no,broadcast=off,required");
     LinkSettings expected = of_kind("sim");
@@ -155,7 +155,7 @@ TEST(LinkText, hello_is_a_switch_or_an_interval) {
               "'hello' must be off, on, or a duration such as 5s, from 1s to 24h, not '900ms'");
 }
 
-TEST(LinkText, a_profile_gives_defaults_and_no_more) {
+TEST(LinkText, a_profile_only_sets_defaults) {
     using namespace std::chrono_literals;
     const LinkSettings vendor = link_of("serial:/dev/x,profile=vendor");
     EXPECT_EQ(vendor.max_data, 4096) << "of what comes in";
@@ -176,7 +176,7 @@ TEST(LinkText, a_profile_gives_defaults_and_no_more) {
     EXPECT_EQ(hello_interval(link_of("serial:/dev/x,profile=vendor,broadcast=no")), 0s);
 }
 
-TEST(LinkText, the_queue_holds_what_may_leave) {
+TEST(LinkText, the_queue_size_follows_max_data_out) {
     EXPECT_EQ(link_of("sim:fc,max_data=65535,max_data_out=100").queue, 32768u);
     EXPECT_EQ(link_of("sim:fc,max_data_out=65535").queue, 2u * 65543);
     EXPECT_EQ(link_of("sim:fc,profile=vendor,queue=206").queue, 206u);
@@ -184,7 +184,7 @@ TEST(LinkText, the_queue_holds_what_may_leave) {
               "'queue' must be at least max_data_out + 8, here 206, to hold one frame, not 205");
 }
 
-TEST(LinkText, udp_listen) {
+TEST(LinkText, reads_a_udp_listen_link) {
     const LinkSettings link = link_of("udp-listen:[::]:12333,peer_timeout=90s,max_peers=3,allow=192.168.0.0/16+::1");
     EXPECT_EQ(link.as<UdpListenSettings>().local.text(), "[::]:12333");
     EXPECT_EQ(link.as<UdpListenSettings>().peer_timeout, std::chrono::seconds{90});
@@ -202,7 +202,7 @@ TEST(LinkText, udp_listen) {
     EXPECT_TRUE(link_of("udp-listen:0.0.0.0:0,trusted=any").as<UdpListenSettings>().trusted_any);
 }
 
-TEST(LinkText, udp) {
+TEST(LinkText, reads_a_udp_link) {
     const LinkSettings link = link_of("udp:[::1]:12333,bind=[::]:0");
     EXPECT_EQ(link.as<UdpSettings>().peer.text(), "[::1]:12333");
     ASSERT_TRUE(link.as<UdpSettings>().bind);
@@ -210,7 +210,7 @@ TEST(LinkText, udp) {
     EXPECT_FALSE(link_of("udp:255.255.255.255:6670").as<UdpSettings>().bind);
 }
 
-TEST(LinkText, can) {
+TEST(LinkText, reads_a_can_link) {
     const LinkSettings link = link_of("can:can0,fd,brs=no,extended,base=0x40000");
     LinkSettings expected = of_kind("can");
     expected.name = "can0";
@@ -229,9 +229,9 @@ TEST(LinkText, can) {
     EXPECT_EQ(fault_of("can:can0,framing=isotp,tx=1"), "framing=isotp needs tx and rx, the two CAN ids");
 }
 
-TEST(LinkText, pty) { EXPECT_EQ(link_of("pty:/run/anogate/app").as<PtySettings>().path, "/run/anogate/app"); }
+TEST(LinkText, reads_a_pty_link) { EXPECT_EQ(link_of("pty:/run/anogate/app").as<PtySettings>().path, "/run/anogate/app"); }
 
-TEST(LinkText, links_without_a_name_get_one_of_their_own) {
+TEST(LinkText, links_without_a_name_get_a_unique_name) {
     Draft draft{link_kinds()};
     for (const char* text : {"serial:/dev/ttyUSB0", "serial:/dev/serial/ttyUSB0", "pty:/run/app", "udp-listen:0.0.0.0:12333",
                              "udp:1.2.3.4:6670", "sim:fc", "sim:fc", "sim:fc,name=fc-2", "pty:/tmp/control", "pty:/tmp/"})
@@ -246,13 +246,13 @@ TEST(LinkText, links_without_a_name_get_one_of_their_own) {
     EXPECT_EQ(link_of("pty:/tmp/" + std::string(61, 'x')).name, "pty") << "with a number behind it, it would be too long";
 }
 
-TEST(LinkText, the_queue_holds_two_of_the_largest_frames_unless_told) {
+TEST(LinkText, the_queue_holds_two_of_the_largest_frames_by_default) {
     EXPECT_EQ(link_of("sim:fc,max_data=16376").queue, 32768u);
     EXPECT_EQ(link_of("sim:fc,max_data=65535").queue, 2u * 65543);
     EXPECT_EQ(link_of("sim:fc,max_data=65535,queue=65543").queue, 65543u);
 }
 
-TEST(LinkText, a_mistyped_key_is_named_with_the_nearest) {
+TEST(LinkText, a_mistyped_key_is_reported_with_the_nearest_key) {
     EXPECT_EQ(fault_of("serial:/dev/x,bauds=9"), "unknown key 'bauds' (did you mean 'baud'?)");
     EXPECT_EQ(fault_of("serial:/dev/x,encryption"), "unknown key 'encryption'");
     EXPECT_EQ(fault_of("udp:1.2.3.4:5,baud=9"), "'baud' is not a key of udp, but of serial");
@@ -263,7 +263,7 @@ TEST(LinkText, a_mistyped_key_is_named_with_the_nearest) {
     EXPECT_EQ(fault_of("serial:/dev/x,baud"), "'baud' needs a value: baud=NUMBER");
 }
 
-TEST(LinkText, a_value_out_of_its_range_is_named_with_the_range) {
+TEST(LinkText, a_value_out_of_range_is_reported_with_the_range) {
     EXPECT_EQ(fault_of("serial:/dev/x,baud=fast"), "'baud' must be a whole number from 1 to 4294967295, not 'fast'");
     EXPECT_EQ(fault_of("sim:fc,max_data=65536"), "'max_data' must be a whole number from 0 to 65535, not '65536'");
     EXPECT_EQ(fault_of("sim:fc,queue=4103"), "'queue' must be at least max_data_out + 8, here 4104, to hold one frame, not 4103");
@@ -279,17 +279,17 @@ TEST(LinkText, a_value_out_of_its_range_is_named_with_the_range) {
     EXPECT_EQ(fault_of("sim:plane"), "'device' must be one of fc, imu, flow, radio, car, not 'plane'");
 }
 
-TEST(LinkText, any_network_stands_alone) {
+TEST(LinkText, any_cannot_be_combined_with_networks) {
     EXPECT_TRUE(fault_of("udp-listen:0.0.0.0:1,allow=any+10.0.0.0/8").starts_with("'allow' must be any, or networks"));
 }
 
-TEST(LinkText, a_text_is_no_longer_than_it_may_be) {
+TEST(LinkText, a_text_must_have_an_allowed_length) {
     EXPECT_EQ(link_of("sim:fc,name=" + std::string(64, 'x')).name.size(), 64u);
     EXPECT_TRUE(fault_of("sim:fc,name=" + std::string(65, 'x')).starts_with("'name' must be text of 1 to 64 bytes"));
     EXPECT_TRUE(fault_of("sim:fc,name=").starts_with("'name' must be text of 1 to 64 bytes"));
 }
 
-TEST(LinkText, an_address_or_id_without_0x_is_known) {
+TEST(LinkText, an_address_or_id_without_0x_is_recognized) {
     const auto ends = [](const std::string& link, const std::string& end) {
         EXPECT_TRUE(fault_of(link).ends_with(end)) << fault_of(link);
     };
@@ -303,7 +303,7 @@ TEST(LinkText, an_address_or_id_without_0x_is_known) {
     ends("can:can0,framing=isotp,tx=7E0,rx=0x7E8", "not '7E0' (did you mean '0x7E0'?)");
 }
 
-TEST(LinkText, a_number_with_a_unit_is_known) {
+TEST(LinkText, a_number_with_a_unit_is_recognized) {
     EXPECT_TRUE(fault_of("serial:/dev/x,baud=500k").ends_with("not '500k' (did you mean '500000'?)"));
     EXPECT_TRUE(fault_of("serial:/dev/x,baud=115200bps").ends_with("not '115200bps' (did you mean '115200'?)"));
     EXPECT_TRUE(fault_of("serial:/dev/x,baud=115200bauds").ends_with("not '115200bauds'")) << "what is meant is a guess";
@@ -316,14 +316,14 @@ TEST(LinkText, a_number_with_a_unit_is_known) {
     EXPECT_TRUE(fault_of("sim:fc,queue=99999999999999999999k").ends_with("k'"));
 }
 
-TEST(LinkText, a_key_that_stands_apart_is_known) {
+TEST(LinkText, a_key_separated_from_its_link_is_recognized) {
     EXPECT_EQ(fault_of("baud=500000"),
               "'baud' is a key: append it to its LINK with a comma and no space: KIND:ADDRESS,baud=500000");
     EXPECT_EQ(fault_of("bind=0.0.0.0:6669").substr(0, 15), "'bind' is a key");
     EXPECT_EQ(fault_of("limit.0x01=5").substr(0, 21), "'limit.0x01' is a key");
 }
 
-TEST(LinkText, several_values_behind_commas_are_known) {
+TEST(LinkText, several_values_separated_by_commas_are_recognized) {
     EXPECT_EQ(fault_of("udp-listen:0.0.0.0:1,allow=10.0.0.0/8,192.168.0.0/16"),
               "unknown key '192.168.0.0/16': join several values of 'allow' with +: allow=10.0.0.0/8+192.168.0.0/16");
     EXPECT_EQ(fault_of("sim:fc,send.deny=0xB0,0xB1"),
@@ -332,22 +332,22 @@ TEST(LinkText, several_values_behind_commas_are_known) {
     EXPECT_EQ(fault_of("sim:fc,send.deny=firmware,floood"), "unknown key 'floood' (did you mean 'flood'?)");
 }
 
-TEST(LinkText, a_limit_of_nothing_is_a_filter) {
+TEST(LinkText, a_limit_of_zero_is_rejected_with_the_filter_to_use) {
     EXPECT_TRUE(fault_of("sim:fc,limit.euler=0").ends_with("not '0'; to block them all: send.deny=euler"))
         << fault_of("sim:fc,limit.euler=0");
 }
 
-TEST(LinkText, every_fault_is_told_not_only_the_first) {
+TEST(LinkText, reports_every_error_not_only_the_first) {
     const std::string faults = faults_of({"serial:/dev/x,bauds=9,id=99,flow=soft", "sim:fc,hz=0"});
     EXPECT_EQ(std::count(faults.begin(), faults.end(), '\n'), 4) << faults;
 }
 
-TEST(LinkText, a_baud_rate_alone_is_known_for_one) {
+TEST(LinkText, a_baud_rate_without_a_key_is_recognized) {
     EXPECT_EQ(fault_of("serial:/dev/x,115200"), "unknown key '115200' (did you mean 'baud=115200'?)");
     EXPECT_EQ(fault_of("sim:fc,100"), "unknown key '100'");
 }
 
-TEST(LinkText, a_port_alone_lacks_its_address) {
+TEST(LinkText, a_port_without_an_address_is_reported) {
     for (const char* port : {"12333", ":12333", "*:12333"})
         EXPECT_EQ(fault_of(std::string{"udp-listen:"} + port),
                   "'" + std::string{port} + "' has no IP address: write 0.0.0.0:12333 for every interface");
@@ -356,7 +356,7 @@ TEST(LinkText, a_port_alone_lacks_its_address) {
     EXPECT_EQ(fault_of("udp:65536").rfind("'address' must be a host name or IP address, and a port", 0), 0u);
 }
 
-TEST(LinkText, the_addresses_of_this_computer_are_not_host_names) {
+TEST(LinkText, a_local_address_cannot_be_a_host_name) {
     EXPECT_EQ(fault_of("udp-listen:localhost:1"),
               "'localhost:1': host names are not supported here; give an IP address such as 127.0.0.1:1");
     EXPECT_EQ(fault_of("tcp-listen:gw.example.org"),
@@ -395,7 +395,7 @@ TEST(LinkText, a_tcp_peer_is_a_host_and_a_port) {
     EXPECT_EQ(fault_of("tcp:[fe80::1]:5"), "'[fe80::1]:5' is a link-local address: add the interface, [fe80::1%eth0]:5");
 }
 
-TEST(LinkText, a_tcp_port_is_no_udp_port_and_no_link_connects_to_its_own_gateway) {
+TEST(LinkText, tcp_and_udp_ports_are_separate_and_no_link_connects_to_this_gateway) {
     EXPECT_EQ(faults_of({"udp-listen:0.0.0.0:5", "tcp-listen:0.0.0.0:5"}), "");
     EXPECT_NE(faults_of({"tcp-listen:0.0.0.0:5", "tcp-listen:10.0.0.1:5,name=b"}), "");
     EXPECT_NE(faults_of({"tcp-listen:0.0.0.0:5", "tls-listen:10.0.0.1:5,name=b,verify=none,certificate=/c,key=/k"})
@@ -432,7 +432,7 @@ TEST(LinkText, no_udp_link_sends_to_its_own_gateway) {
     EXPECT_EQ(faults_of({"udp:255.255.255.255:5,bind=0.0.0.0:5"}), "");
 }
 
-TEST(LinkText, a_link_local_address_has_an_interface_and_no_other_has) {
+TEST(LinkText, a_link_local_address_requires_an_interface_and_others_reject_it) {
     EXPECT_EQ(fault_of("udp:[fe80::1%no such]:5"), "'[fe80::1%no such]:5': 'no such' is not the name of a network interface");
     EXPECT_EQ(fault_of("udp:[fe80::1%]:5"), "'[fe80::1%]:5': '' is not the name of a network interface");
     EXPECT_EQ(faults_of({"udp:[fe80::1%wlan9]:5"}), "") << "it may come yet";
@@ -443,7 +443,7 @@ TEST(LinkText, a_link_local_address_has_an_interface_and_no_other_has) {
     EXPECT_EQ(faults_of({"udp:[fe80::1%lo]:5", "udp:[fe80::2]:5,bind=[fe80::1%lo]:0"}), "");
 }
 
-TEST(LinkText, an_interface_is_of_udp_and_not_another_than_that_of_an_address) {
+TEST(LinkText, interface_is_for_udp_links_and_must_match_the_one_of_an_address) {
     EXPECT_EQ(faults_of({"udp:1.2.3.5:5,interface=wg0", "udp-listen:1.2.3.4:5,interface=wg0"}), "");
     EXPECT_EQ(fault_of("udp:1.2.3.4:5,interface="), "'interface' must be text of 1 to 15 bytes, not ''");
     EXPECT_EQ(fault_of("serial:/dev/x,interface=wg0"), "'interface' is not a key of serial, but of udp-listen, udp, can");
@@ -454,7 +454,7 @@ TEST(LinkText, an_interface_is_of_udp_and_not_another_than_that_of_an_address) {
         EXPECT_EQ(fault_of(link), "'interface' 'wg0' contradicts [fe80::1%wg1]:5: remove one of them");
 }
 
-TEST(LinkText, one_port_is_had_by_one_link_of_each_interface) {
+TEST(LinkText, one_port_can_be_used_by_one_link_per_interface) {
     const auto collide = [](const std::string& a, const std::string& b) {
         const std::string faults = faults_of({a.c_str(), b.c_str()});
         EXPECT_TRUE(faults.empty() || faults.find("local port 5 is already used by") != std::string::npos) << faults;
@@ -472,7 +472,7 @@ TEST(LinkText, one_port_is_had_by_one_link_of_each_interface) {
     }
 }
 
-TEST(LinkText, what_is_no_link_says_what_a_link_is) {
+TEST(LinkText, a_text_that_is_not_a_link_is_reported_with_an_explanation) {
     EXPECT_EQ(fault_of("/dev/ttyUSB0"), "the kind is missing (did you mean 'serial:/dev/ttyUSB0'?)");
     EXPECT_EQ(fault_of("1.2.3.4:5"), "the kind is missing (did you mean 'udp:1.2.3.4:5' or 'udp-listen:...'?)");
     EXPECT_EQ(fault_of("help"), "a LINK is KIND:ADDRESS[,KEY=VALUE...], for example serial:/dev/ttyUSB0,baud=500000");
@@ -510,7 +510,7 @@ TEST(LinkText, two_links_cannot_have_the_same_local_port) {
     EXPECT_FALSE(collide("udp:1.2.3.4:5", "udp-listen:0.0.0.0:5"));
 }
 
-TEST(LinkText, at_most_64_links) {
+TEST(LinkText, allows_at_most_64_links) {
     Draft draft{link_kinds()};
     for (int i = 0; i < 64; ++i) read_link("sim:fc", "", draft);
     validate(draft);
@@ -527,7 +527,7 @@ TEST(LinkText, at_most_64_links) {
     EXPECT_EQ(lines(with_tunnel.errors), "anogated: LINK 'sim:fc': 64 links; at most 63 are supported\n");
 }
 
-TEST(RouteText, with_one_fault_brings_no_other) {
+TEST(RouteText, with_one_error_causes_no_other) {
     Draft draft{link_kinds()};
     read_link("sim:fc", "", draft);
     read_route("999=nobody", "--route", draft);
@@ -535,7 +535,7 @@ TEST(RouteText, with_one_fault_brings_no_other) {
     EXPECT_EQ(draft.errors.size(), 1u) << lines(draft.errors);
 }
 
-TEST(LinkText, of_a_recording) {
+TEST(LinkText, reads_a_replay_link) {
     const LinkSettings link = link_of("replay:/a/flight.pcapng,rate=0.5,loop,from=30s,to=2m,links=fc+radio,commands=yes");
     EXPECT_EQ(link.name, "flight");
     const auto& replay = link.as<ReplaySettings>();
@@ -550,7 +550,7 @@ TEST(LinkText, of_a_recording) {
     EXPECT_EQ(link_of("replay:a,rate=0").as<ReplaySettings>().rate, 0u);
 }
 
-TEST(LinkText, of_a_recording_has_faults_that_are_told) {
+TEST(LinkText, reports_errors_of_a_replay_link) {
     const std::string rate = "'rate' must be a number from 0 to 1000 such as 2 or 0.5, with at most three decimals, not ";
     EXPECT_EQ(fault_of("replay:a,rate=0.0001"), rate + "'0.0001'");
     EXPECT_EQ(fault_of("replay:a,rate=1000.5"), rate + "'1000.5'");
@@ -559,7 +559,7 @@ TEST(LinkText, of_a_recording_has_faults_that_are_told) {
     EXPECT_NE(fault_of("replay:a,broadcast=no").find("'broadcast' is not a key of replay, but of serial"), std::string::npos);
 }
 
-TEST(LinkText, hostile_bytes_make_one_line) {
+TEST(LinkText, hostile_bytes_are_escaped_and_reported_in_one_line) {
     EXPECT_EQ(lines({{"LINK 'a\nb'", "c\x1B[2J"}}), "anogated: LINK 'a\\x0ab': c\\x1b[2J\n");
     EXPECT_EQ(lines({{"",
                       "\xC2\x9B"

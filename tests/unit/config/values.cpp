@@ -11,20 +11,20 @@ using std::chrono::milliseconds;
 using std::chrono::minutes;
 using std::chrono::seconds;
 
-TEST(Values, booleans) {
+TEST(Values, booleans_are_parsed) {
     for (const char* text : {"yes", "true", "on"}) EXPECT_EQ(parse_boolean(text), true) << text;
     for (const char* text : {"no", "false", "off"}) EXPECT_EQ(parse_boolean(text), false) << text;
     for (const char* text : {"", "1", "TRUE", "yes "}) EXPECT_FALSE(parse_boolean(text)) << text;
 }
 
-TEST(Values, numbers_are_decimal_digits_alone) {
+TEST(Values, numbers_consist_of_decimal_digits_only) {
     EXPECT_EQ(parse_number("0"), 0u);
     EXPECT_EQ(parse_number("18446744073709551615"), UINT64_MAX);
     for (const char* text : {"", "-1", "+1", " 1", "1 ", "1.5", "1e3", "0x10", "18446744073709551616"})
         EXPECT_FALSE(parse_number(text)) << text;
 }
 
-TEST(Values, thousandths_are_numbers_with_a_point_or_without) {
+TEST(Values, thousandths_are_parsed_with_or_without_a_point) {
     EXPECT_EQ(parse_thousandths("0"), 0u);
     EXPECT_EQ(parse_thousandths("2"), 2000u);
     EXPECT_EQ(parse_thousandths("0.5"), 500u);
@@ -35,7 +35,7 @@ TEST(Values, thousandths_are_numbers_with_a_point_or_without) {
         EXPECT_EQ(parse_thousandths(wrong), std::nullopt) << wrong;
 }
 
-TEST(Values, addresses_in_both_notations) {
+TEST(Values, addresses_are_parsed_in_both_notations) {
     EXPECT_EQ(parse_address("220"), 220);
     EXPECT_EQ(parse_address("0xDC"), 220);
     EXPECT_EQ(parse_address("0Xdc"), 220);
@@ -43,7 +43,7 @@ TEST(Values, addresses_in_both_notations) {
     EXPECT_EQ(address_text(5), "0x05");
 }
 
-TEST(Values, address_ranges) {
+TEST(Values, address_ranges_are_parsed) {
     const auto range = parse_addresses("0x1E-40");
     ASSERT_TRUE(range);
     EXPECT_EQ(range->first, 30);
@@ -53,7 +53,7 @@ TEST(Values, address_ranges) {
     for (const char* text : {"", "-", "30-", "-40", "40-30", "30-40-50", "30 - 40"}) EXPECT_FALSE(parse_addresses(text)) << text;
 }
 
-TEST(Values, durations) {
+TEST(Values, durations_are_parsed) {
     EXPECT_EQ(parse_duration("500ms"), milliseconds{500});
     EXPECT_EQ(parse_duration("30s"), seconds{30});
     EXPECT_EQ(parse_duration("2m"), minutes{2});
@@ -71,7 +71,7 @@ TEST(Values, durations_are_written_in_the_largest_unit_that_is_exact) {
     EXPECT_EQ(duration_text(seconds{0}), "0ms");
 }
 
-TEST(Values, sizes) {
+TEST(Values, sizes_are_parsed_and_written) {
     EXPECT_EQ(parse_size("10MB"), 10'000'000u);
     EXPECT_EQ(parse_size("1KiB"), 1024u);
     EXPECT_EQ(parse_size("123"), 123u);
@@ -83,7 +83,7 @@ TEST(Values, sizes) {
     EXPECT_EQ(size_text(10'000'000), "10MB");
 }
 
-TEST(Values, utf8) {
+TEST(Values, invalid_utf8_is_detected) {
     EXPECT_TRUE(ano::is_utf8("飞控 fc \xF0\x9F\x9A\x81"));
     for (const char* text : {"\xFF", "\x80", "\xC3", "\xE9\xA3", "\xC0\xAF", "\xE0\x80\x80", "\xED\xA0\x80", "\xF4\x90\x80\x80"})
         EXPECT_FALSE(ano::is_utf8(text)) << testing::PrintToString(text);

@@ -5,7 +5,7 @@
 namespace anogate::control_door_tests {
 namespace {
 
-TEST(ControlDoor, needs_no_token_of_who_started_it_for_himself) {
+TEST(ControlDoor, requires_no_token_on_loopback_from_the_user_who_started_it) {
     for (const std::string here : {"127.0.0.1", "127.1.2.3", "::1"}) {
         EXPECT_FALSE(network_needs_token(here, 1000)) << here;
         EXPECT_TRUE(network_needs_token(here, 999)) << here << ", as a service";

@@ -34,7 +34,7 @@ protected:
     }
 };
 
-TEST_F(PageFiles, are_answered_compressed_with_a_strict_policy) {
+TEST_F(PageFiles, are_served_compressed_with_a_strict_policy) {
     const Page all = page();
     const Response front = all.file("", browser());
     EXPECT_EQ(front.status, 200u);
@@ -49,14 +49,14 @@ TEST_F(PageFiles, are_answered_compressed_with_a_strict_policy) {
     EXPECT_NE(header(script, "Cache-Control").find("immutable"), std::string::npos) << "its name tells its content";
 }
 
-TEST_F(PageFiles, are_only_those_that_were_there_at_the_start) {
+TEST_F(PageFiles, include_only_files_that_existed_at_the_start) {
     const Page all = page();
     (void)dir.write("late.js.gz", "later");
     for (const char* name : {"late.js", "../etc/passwd", "/etc/passwd", ".", "index.html.gz", "none.js"})
         EXPECT_EQ(all.file(name, browser()).status, 404u) << name;
 }
 
-TEST_F(PageFiles, are_for_who_takes_them) {
+TEST_F(PageFiles, are_sent_only_to_clients_that_accept_them) {
     const Page all = page();
     EXPECT_TRUE(all.is_wanted_by(browser()));
     Request program;
@@ -70,7 +70,7 @@ TEST_F(PageFiles, are_for_who_takes_them) {
     }
 }
 
-TEST_F(PageFiles, without_a_front_page_are_no_page) {
+TEST_F(PageFiles, without_a_front_page_are_not_used_as_a_page) {
     (void)dir.write("page-0123.js.gz", "a script");
     EXPECT_TRUE(Page::read(dir.path()).empty());
     EXPECT_TRUE(Page::read("/nowhere/at/all").empty());
@@ -78,12 +78,12 @@ TEST_F(PageFiles, without_a_front_page_are_no_page) {
     EXPECT_EQ(Page{}.file("", browser()).status, 404u);
 }
 
-TEST_F(PageFiles, that_are_more_than_a_page_has_are_no_page) {
+TEST_F(PageFiles, that_exceed_the_size_limit_are_not_used_as_a_page) {
     (void)dir.write("big.js.gz", std::string(2 * 1024 * 1024, 'x'));
     EXPECT_TRUE(page().empty());
 }
 
-TEST(PageFolder, is_beside_the_program) {
+TEST(PageFolder, is_found_relative_to_the_program) {
     EXPECT_EQ(anogate::page_folder_of("/usr/bin/anogated"), "/usr/share/anogate/web");
     EXPECT_EQ(anogate::page_folder_of("/opt/anogate/sbin/anogated"), "/opt/anogate/share/anogate/web");
     EXPECT_EQ(anogate::page_folder_of("/home/me/anogate/build/run/src/anogated"), "/home/me/anogate/build/run/web");

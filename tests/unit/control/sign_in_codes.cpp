@@ -12,7 +12,7 @@ using Form = SignInCodes::Form;
 using State = SignInCodes::State;
 using http::Access;
 
-TEST(SignInCodes, have_the_form_that_was_asked_for) {
+TEST(SignInCodes, have_the_requested_form) {
     SignInCodes codes;
     EXPECT_EQ(codes.make(Form::link, Access::control, {}).value().size(), 32u);
     for (int i = 0; i < 50; ++i) {
@@ -23,7 +23,7 @@ TEST(SignInCodes, have_the_form_that_was_asked_for) {
         EXPECT_FALSE(SignInCodes::is_digits(other)) << other;
 }
 
-TEST(SignInCodes, allow_what_they_were_made_for_and_do_so_once) {
+TEST(SignInCodes, grant_their_access_only_once) {
     SignInCodes codes;
     EXPECT_EQ(text(codes.state(Form::link, {})), "none");
     for (const Form form : {Form::link, Form::digits})
@@ -46,7 +46,7 @@ TEST(SignInCodes, of_two_links_only_the_newer_one_is_valid) {
     EXPECT_TRUE(codes.use(digits, {}).access) << "the other form is a code of its own";
 }
 
-TEST(SignInCodes, wrong_links_void_nothing) {
+TEST(SignInCodes, wrong_links_do_not_void_the_valid_one) {
     SignInCodes codes;
     const std::string link = codes.make(Form::link, Access::control, {}).value();
     for (int i = 0; i < 100; ++i) EXPECT_FALSE(codes.use(std::string(32, '0'), {}).voids);

@@ -44,7 +44,7 @@ std::string error_of(std::vector<const char*> arguments) {
     return exit.text;
 }
 
-TEST(CommandLine, links_and_options) {
+TEST(CommandLine, reads_links_and_options) {
     const Settings s = settings_of({"--id", "199", "serial:/dev/ttyUSB0,name=fc", "--route", "0xDC=fc",
                                     "udp-listen:0.0.0.0:12333", "--route=30-40=fc", "--unknown", "fc", "--control", "/tmp/c.sock",
                                     "--log-level", "debug"});
@@ -59,7 +59,7 @@ TEST(CommandLine, links_and_options) {
     EXPECT_EQ(s.log.level, "debug");
 }
 
-TEST(CommandLine, a_file_in_the_place_of_a_link_is_taken_for_the_configuration_that_it_may_be) {
+TEST(CommandLine, a_file_in_place_of_a_link_is_suggested_as_the_configuration) {
     EXPECT_EQ(error_of({"g.json"}), "anogated: LINK 'g.json': is not a link (did you mean --config g.json?)\n");
     const support::TempDir folder;
     const std::string file = folder.write("gateway", "{}");
@@ -81,15 +81,17 @@ TEST(CommandLine, links_add_to_the_file_and_options_override_it) {
     EXPECT_EQ(s.control.socket, "none");
 }
 
-TEST(CommandLine, the_last_of_an_option_counts) { EXPECT_EQ(settings_of({"sim:fc", "--id", "5", "--id", "6"}).gateway.id, 6); }
+TEST(CommandLine, the_last_value_of_an_option_applies) {
+    EXPECT_EQ(settings_of({"sim:fc", "--id", "5", "--id", "6"}).gateway.id, 6);
+}
 
-TEST(CommandLine, two_files_are_a_fault) {
+TEST(CommandLine, two_configuration_files_are_rejected) {
     EXPECT_EQ(error_of({"--config", "/proc/nonexistent", "-c", "/proc/neither"}),
               "anogated: --config: was given 2 times; only one file is allowed\n"
               "anogated: /proc/nonexistent: No such file or directory\n");
 }
 
-TEST(CommandLine, a_control_socket_that_cannot_be_is_a_fault) {
+TEST(CommandLine, a_control_socket_that_cannot_be_created_is_an_error) {
     EXPECT_EQ(error_of({"sim:fc", "--control", "/proc/nonexistent/c.sock"}),
               "anogated: --control: /proc/nonexistent/c.sock: there is no folder /proc/nonexistent (use --control with another "
               "path, or --control none)\n");
@@ -102,7 +104,7 @@ TEST(CommandLine, a_control_socket_that_cannot_be_is_a_fault) {
         << "maybe for another machine";
 }
 
-TEST(CommandLine, what_the_service_may_not_write_is_a_fault_that_a_check_finds) {
+TEST(CommandLine, a_path_that_the_service_may_not_write_is_an_error_in_a_check) {
     const support::TempDir folder;
     const std::string file = folder.write("anogate.json", R"({"links": ["pty:/tmp/app"]})");
     const auto checked = parse({"--check"}, file);
@@ -113,7 +115,7 @@ TEST(CommandLine, what_the_service_may_not_write_is_a_fault_that_a_check_finds) 
         << "not the service's: that has its own in /proc/nonexistent";
 }
 
-TEST(CommandLine, a_check_warns_of_paths_that_have_no_place) {
+TEST(CommandLine, a_check_warns_of_paths_that_cannot_be_created) {
     const support::TempDir folder;
     const std::string there = folder.path(), file = folder.write("file", "words");
     const auto warnings = [](const std::string& link) { return line_of({"--check", link.c_str()}).warnings; };
@@ -142,7 +144,7 @@ TEST(CommandLine, a_check_warns_of_paths_that_have_no_place) {
     EXPECT_EQ(line_of({("pty:" + file).c_str()}).warnings, "") << "the link itself says so when it starts";
 }
 
-TEST(CommandLine, a_check_warns_of_what_shuts_the_network_door) {
+TEST(CommandLine, a_check_warns_of_settings_that_keep_the_http_interface_off) {
     const support::TempDir folder;
     const std::string certificate = folder / "certificate.pem", key = folder / "key.pem", other = folder / "other.pem";
     ASSERT_TRUE(http::make_certificate({{"vehicle"}, {}}, certificate, key));
@@ -193,7 +195,7 @@ TEST(CommandLine, a_check_warns_of_a_key_that_slows_down_new_connections) {
     EXPECT_EQ(warnings(2048).find("RSA"), std::string::npos);
 }
 
-TEST(CommandLine, a_check_says_once_what_a_port_open_to_all_networks_means) {
+TEST(CommandLine, a_check_explains_once_the_risk_of_ports_open_to_all_networks) {
     const auto said = [](std::vector<const char*> links) {
         links.insert(links.begin(), "--check");
         const CommandLine line = line_of(links);
@@ -215,7 +217,7 @@ TEST(CommandLine, a_check_says_once_what_a_port_open_to_all_networks_means) {
               "WireGuard\n");
 }
 
-TEST(CommandLine, a_check_has_nothing_to_say_of_the_examples) {
+TEST(CommandLine, a_check_reports_no_warnings_for_the_examples) {
     std::size_t examples = 0;
     for (const auto& entry : std::filesystem::recursive_directory_iterator{support::source_file("config/examples")}) {
         if (entry.path().extension() != ".json") continue;
@@ -247,13 +249,13 @@ TEST(CommandLine, the_default_file_is_read_when_neither_file_nor_link_is_named) 
     EXPECT_EQ(line_of({"sim:fc"}, file).config_file, "");
 }
 
-TEST(CommandLine, without_a_default_file_it_says_how_to_go_on) {
+TEST(CommandLine, without_a_default_file_it_explains_what_to_do) {
     EXPECT_EQ(error_of({}),
               "anogated: /proc/nonexistent/anogate.json: No such file or directory; create it, or give links, for example: "
               "anogated serial:/dev/ttyUSB0,baud=500000,profile=vendor udp-listen:0.0.0.0:12333\n");
 }
 
-TEST(CommandLine, a_file_that_cannot_be_read_is_one_line) {
+TEST(CommandLine, an_unreadable_file_is_reported_in_one_line) {
     const support::TempDir folder;
     EXPECT_EQ(error_of({"-c", "/proc/nonexistent"}), "anogated: /proc/nonexistent: No such file or directory\n");
     EXPECT_EQ(error_of({"-c", folder.path().c_str()}), "anogated: " + folder.path().string() + ": Is a directory\n");
@@ -264,7 +266,7 @@ TEST(CommandLine, a_file_that_cannot_be_read_is_one_line) {
                   ": line 2, column 1: syntax error while parsing object key - unexpected ','; expected string literal\n");
 }
 
-TEST(CommandLine, every_fault_is_a_line) {
+TEST(CommandLine, every_error_is_reported_in_one_line) {
     const support::TempDir folder;
     const std::string file = folder.write("a.json", R"({"links": [{"kind": "serial", "device": "/dev/x", "bauds": 9}]})");
     EXPECT_EQ(error_of({"-c", file.c_str(), "serial:/dev/y,bauds=9", "--chek", "--id", "300", "--route", "nowhere"}),
@@ -277,13 +279,13 @@ TEST(CommandLine, every_fault_is_a_line) {
                   "anogated: --id: 'id' must be an address from 1 to 254 (or in hex such as 0x05), not '300'\n");
 }
 
-TEST(CommandLine, routes_and_unknown_name_links) {
+TEST(CommandLine, routes_and_unknown_must_name_existing_links) {
     EXPECT_EQ(error_of({"sim:fc", "--route", "5=fd", "--unknown", "app"}),
               "anogated: --unknown: there is no link 'app'; use flood, drop, or one of fc\n"
               "anogated: --route '5=fd': there is no link 'fd' (did you mean 'fc'?); use one of fc\n");
 }
 
-TEST(CommandLine, an_address_without_0x_is_known) {
+TEST(CommandLine, an_address_without_0x_is_recognized) {
     EXPECT_EQ(
         error_of({"sim:fc", "--id", "C7", "--route", "DC=fc", "--route", "0xDC-DE=fc"}),
         "anogated: --route 'DC=fc': 'address' must be an address such as 0xDC or a range such as 30-40, from 1 to 254, not "
@@ -293,7 +295,7 @@ TEST(CommandLine, an_address_without_0x_is_known) {
         "anogated: --id: 'id' must be an address from 1 to 254 (or in hex such as 0x05), not 'C7' (did you mean '0xC7'?)\n");
 }
 
-TEST(CommandLine, several_routes_in_one_are_told) {
+TEST(CommandLine, several_routes_in_one_option_are_rejected) {
     EXPECT_EQ(error_of({"sim:fc", "--route", "0xDC=fc,0xDD=fc"}),
               "anogated: --route '0xDC=fc,0xDD=fc': must be one ADDR=LINK; repeat --route for more\n");
 }
@@ -304,19 +306,19 @@ TEST(CommandLine, an_option_without_its_value_is_a_fault) {
     EXPECT_EQ(error.find('\n'), error.size() - 1);
 }
 
-TEST(CommandLine, an_option_does_not_take_the_next_one_for_its_value) {
+TEST(CommandLine, an_option_does_not_use_the_next_option_as_its_value) {
     for (const char* option : {"--config", "--log-level", "--route", "--id", "--unknown", "--control"})
         EXPECT_EQ(error_of({"sim:fc", option, "--check"}),
                   "anogated: " + std::string{option} + ": the value is missing before '--check'\n");
 }
 
-TEST(CommandLine, a_key_of_a_link_is_no_option) {
+TEST(CommandLine, a_key_of_a_link_is_not_an_option) {
     EXPECT_EQ(error_of({"sim:fc", "--baud=9600"}),
               "anogated: unknown option '--baud': it is a key of a LINK: write KIND:ADDRESS,baud=NUMBER\n");
     EXPECT_EQ(error_of({"sim:fc", "-v"}), "anogated: unknown option '-v'; --help all lists all options\n");
 }
 
-TEST(CommandLine, check_and_print_config_are_wishes_of_a_line_without_fault) {
+TEST(CommandLine, check_and_print_config_apply_only_to_a_valid_command_line) {
     EXPECT_FALSE(line_of({"sim:fc"}).check);
     EXPECT_FALSE(line_of({"sim:fc"}).print_config);
     EXPECT_TRUE(line_of({"sim:fc", "--check"}).check);
@@ -325,7 +327,7 @@ TEST(CommandLine, check_and_print_config_are_wishes_of_a_line_without_fault) {
               "anogated: LINK 'sim:plane': 'device' must be one of fc, imu, flow, radio, car, not 'plane'\n");
 }
 
-TEST(CommandLine, what_it_says_printed_as_a_file_means_the_same) {
+TEST(CommandLine, has_the_same_meaning_when_printed_as_a_file) {
     const Settings said = settings_of(
         {"--id", "199", "serial:/dev/ttyUSB0,baud=9600,rts", "udp-listen:[::]:12333,allow=any", "--route", "30-40=ttyUSB0"});
     const support::TempDir folder;
@@ -333,7 +335,7 @@ TEST(CommandLine, what_it_says_printed_as_a_file_means_the_same) {
     EXPECT_EQ(settings_of({"--config", file.c_str()}), said);
 }
 
-TEST(CommandLine, help_and_version) {
+TEST(CommandLine, prints_help_and_version) {
     const Exit brief = exit_of({"--help"});
     EXPECT_EQ(brief.code, 0);
     EXPECT_LE(std::count(brief.text.begin(), brief.text.end(), '\n'), 24) << "a screen of a terminal: " << brief.text;

@@ -31,7 +31,7 @@ TEST(FirstLine, has_the_configuration_and_the_number_of_links) {
     EXPECT_EQ(said({"sim:fc", "serial:/dev/ttyUSB0"}), "my.json, 2 links");
 }
 
-TEST(FirstLine, says_what_to_type_into_a_ground_station) {
+TEST(FirstLine, shows_the_address_to_enter_in_a_ground_station) {
     const auto own = networks({"127.0.0.1/8", "192.168.1.20/24", "10.0.0.2/8", "::1/128", "fe80::1/64", "2001:db8::5/64"});
     EXPECT_EQ(said({"udp-listen:0.0.0.0:12333,name=ground"}, own),
               "my.json, 1 link; ground, for ground stations: UDP 192.168.1.20:12333 or 10.0.0.2:12333");
@@ -42,14 +42,14 @@ TEST(FirstLine, says_what_to_type_into_a_ground_station) {
               "computer only)");
 }
 
-TEST(FirstLine, says_so_when_there_is_no_address_yet) {
+TEST(FirstLine, reports_that_there_is_no_address_yet) {
     EXPECT_EQ(said({"udp-listen:0.0.0.0:12333,name=g"}, networks({"127.0.0.1/8"})),
               "my.json, 1 link; g, for ground stations: UDP port 12333 of this computer, which has no network address yet");
     EXPECT_EQ(said({"udp-listen:0.0.0.0:0,name=g"}),
               "my.json, 1 link; g, for ground stations: UDP a port chosen by the system (see the status)");
 }
 
-TEST(FirstLine, is_no_page_where_there_are_many_networks) {
+TEST(FirstLine, is_short_when_there_are_many_networks) {
     EXPECT_EQ(said({"udp-listen:0.0.0.0:1,name=g"},
                    networks({"10.0.0.1/24", "10.0.1.1/24", "10.0.2.1/24", "10.0.3.1/24", "10.0.4.1/24"})),
               "my.json, 1 link; g, for ground stations: UDP 10.0.0.1:1 or 10.0.1.1:1 or 10.0.2.1:1 or 10.0.3.1:1 ...");

@@ -22,7 +22,7 @@ std::string or_elsewhere(std::string_view fault) {
     return text.append(" (to allow another folder: systemctl edit anogated, ReadWritePaths=FOLDER)\n");
 }
 
-TEST(Service, writes_to_its_own_folders) {
+TEST(Service, may_write_to_its_folders) {
     EXPECT_EQ(
         faults(R"({"links": ["pty:/run/anogate/app", "pty:/run/anogate/more/app", "pty:/dev/shm/x", "pty:/var/log/anogate/y"],
         "log": {"file": "/var/log/anogate/log"}, "control": {"socket": "/run/anogate/c.sock"}})"),
@@ -30,7 +30,7 @@ TEST(Service, writes_to_its_own_folders) {
     EXPECT_EQ(faults(R"({"links": ["sim:fc"], "control": {"socket": "none"}})"), "");
 }
 
-TEST(Service, writes_nowhere_else) {
+TEST(Service, cannot_write_outside_its_folders) {
     EXPECT_EQ(faults(R"({"links": ["sim:fc", "pty:/tmp/app"]})"),
               std::string{"a.json: /links/1: LINK 'pty:/tmp/app': 'path' '/tmp/app': the service has no write access there, and "
                           "its /tmp is private; /run/anogate/app works\n"});
@@ -54,7 +54,7 @@ TEST(Service, records_in_its_state_folder) {
             "a.json: /record/folder: 'folder' '/mnt/usb': the service has no write access there; /var/lib/anogate/usb works"));
 }
 
-TEST(Service, makes_tokens_in_its_own_folder_alone) {
+TEST(Service, creates_tokens_only_in_its_state_folder) {
     EXPECT_EQ(faults(R"({"control": {"http": "0.0.0.0:0", "token_file": "/var/lib/anogate/token"}})"), "");
     EXPECT_EQ(
         faults(R"({"control": {"http": "0.0.0.0:0", "token_file": "/proc/nonexistent"}})"),
@@ -64,7 +64,7 @@ TEST(Service, makes_tokens_in_its_own_folder_alone) {
     EXPECT_EQ(faults(R"({"control": {"http": "0.0.0.0:0", "token_file": "/etc/passwd"}})"), "") << "it is only read";
 }
 
-TEST(Service, of_an_instance_has_a_runtime_folder_of_its_own) {
+TEST(Service, of_an_instance_has_a_separate_runtime_folder) {
     const char* const json = R"({"links": ["pty:/run/anogate-left/app"], "control": {"socket": "/run/anogate-left/c.sock"}})";
     EXPECT_EQ(faults(json, "/etc/anogate/left.json"), "");
     EXPECT_NE(faults(json, "/etc/anogate/right.json"), "");
@@ -72,7 +72,7 @@ TEST(Service, of_an_instance_has_a_runtime_folder_of_its_own) {
     EXPECT_NE(faults(R"({"links": ["pty:/home/pi/fc"]})", "left.json").find("; /run/anogate-left/fc works"), std::string::npos);
 }
 
-TEST(Service, has_a_tmp_of_its_own_where_it_sees_no_port) {
+TEST(Service, finds_no_port_in_its_private_tmp) {
     const std::string fault = faults(R"({"links": [{"kind": "serial", "device": "/tmp/sitl"}, "serial:/run/sitl,baud=9600"]})");
     EXPECT_EQ(fault,
               "a.json: /links/0/device: 'device' '/tmp/sitl': the service has its own private /tmp; create the port in another "
@@ -80,14 +80,14 @@ TEST(Service, has_a_tmp_of_its_own_where_it_sees_no_port) {
     EXPECT_NE(faults(R"({"links": ["serial:/var/tmp/sitl"]})"), "");
 }
 
-TEST(Service, a_path_is_what_it_leads_to) {
+TEST(Service, resolves_paths_before_checking_them) {
     EXPECT_NE(faults(R"({"links": ["pty:/run/anogate/../../tmp/app"]})"), "");
     EXPECT_NE(faults(R"({"links": ["pty:app"]})"), "") << "it starts in /";
     EXPECT_NE(faults(R"({"links": ["pty:/run/anogate"]})"), "");
     EXPECT_NE(faults(R"({"links": ["pty:/run/anogate2/app"]})"), "");
 }
 
-TEST(Service, has_the_configuration_beside_the_default_one) {
+TEST(Service, is_recognized_by_a_configuration_beside_the_default_one) {
     const support::TempDir folder;
     const std::string theirs = folder.write("anogate.json", "{}"), other = folder.write("other.json", "{}");
     EXPECT_TRUE(is_for_service(theirs, theirs));

@@ -48,7 +48,7 @@ TEST(Commands, are_counted_and_described) {
     EXPECT_EQ(answer(device, ask(0xC1, {1, 0})), silence);
 }
 
-TEST(Commands, are_counted_for_another_device_only_as_long_as_it_does_not_sound_like_a_question) {
+TEST(Commands, are_counted_for_another_device_only_if_the_response_differs_from_a_request) {
     Device device{{.id = self}};
     EXPECT_EQ(answer(device, support::frame(5, self, 0xC1, {0, 0, 0})), silence);
     device.commands().add({9, 9, 9}, "REBOOT", "", [] {});
@@ -72,7 +72,7 @@ TEST(Commands, run_with_values_of_every_type) {
     EXPECT_EQ(got, std::tuple(0, 0, 0, 0, 0u, 0, 0, 0.0)) << "nothing stays of the values before";
 }
 
-TEST(Commands, take_type_7_for_what_the_profile_says) {
+TEST(Commands, interpret_type_7_according_to_the_profile) {
     Device text{{.id = self}};
     Device field{{.id = self}, {.value_type_7 = ano::ValueType7::u64}};
     EXPECT_THROW(text.commands().add({1, 0, 0}, "U64", "", [](std::uint64_t) {}), std::invalid_argument);
@@ -94,7 +94,7 @@ TEST(Commands, of_an_old_device_have_f32_as_type_7) {
         << "hosts take a device with such a type for one of the newest";
 }
 
-TEST(Commands, run_each_time_that_they_are_asked_for) {
+TEST(Commands, run_each_time_they_are_requested) {
     Device device{{.id = self}};
     int runs = 0;
     device.commands().add({0, 1, 0}, "GO", "", [&] { ++runs; });
@@ -104,7 +104,7 @@ TEST(Commands, run_each_time_that_they_are_asked_for) {
     EXPECT_EQ(runs, 2);
 }
 
-TEST(Commands, that_are_not_known_or_refused_or_short_get_silence) {
+TEST(Commands, that_are_unknown_refused_or_too_short_get_no_response) {
     Device device{{.id = self}};
     int runs = 0;
     device.commands().add({0, 1, 0}, "GO", "", [&](std::uint16_t n) { return ++runs, n != 7; });
@@ -121,7 +121,7 @@ TEST(Commands, that_are_not_known_or_refused_or_short_get_silence) {
     EXPECT_EQ(runs, 1);
 }
 
-TEST(Commands, that_make_no_sense_are_not_added) {
+TEST(Commands, that_are_invalid_are_rejected) {
     Device device{{.id = self}};
     auto& commands = device.commands();
     commands.add({1, 1, 1}, "ONE", "", [] {});

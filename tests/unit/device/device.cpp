@@ -23,12 +23,12 @@ using support::operator+;
 const Info thermometer{.id = self, .name = "Thermometer", .hw_ver = 3, .sw_ver = 0x0102, .bl_ver = 7, .pt_ver = 810};
 const Bytes who_are_you{0, 0, 0};
 
-TEST(Device, says_who_it_is) {
+TEST(Device, reports_its_device_information) {
     Device device{thermometer};
     EXPECT_EQ(answer(device, ask(0xE0, who_are_you)), says(0xE3, Bytes{self, 3, 0, 2, 1, 7, 0, 0x2A, 3} + bytes("Thermometer")));
 }
 
-TEST(Device, answers_as_a_device_of_the_vendor_does) {
+TEST(Device, answers_like_a_vendor_device) {
     Device mcu{{.id = 0xDB, .name = "AnoMCU"}};
     EXPECT_EQ(answer(mcu, support::vendor::who_are_you), support::vendor::i_am_an_mcu);
     std::uint8_t value = 5;
@@ -37,7 +37,7 @@ TEST(Device, answers_as_a_device_of_the_vendor_does) {
     EXPECT_EQ(value, 0xFA);
 }
 
-TEST(Device, answers_a_broadcast_with_its_own_address) {
+TEST(Device, answers_a_broadcast_with_its_address) {
     Device device{thermometer};
     const Bytes reply = answer(device, frame(0xD2, everybody, 0xE0, who_are_you));
     ASSERT_FALSE(reply.empty());
@@ -49,14 +49,14 @@ TEST(Device, answers_a_broadcast_with_its_own_address) {
     EXPECT_EQ(answer(device, write), acknowledges(write));
 }
 
-TEST(Device, says_nothing_to_what_is_for_somebody_else) {
+TEST(Device, does_not_answer_frames_for_other_devices) {
     Device device{thermometer};
     EXPECT_EQ(answer(device, frame(host, 0x22, 0xE0, who_are_you)), silence);
     EXPECT_EQ(answer(device, frame(host, 0x00, 0xE0, who_are_you)), silence);
     EXPECT_EQ(device.counters().not_ours, 2u);
 }
 
-TEST(Device, never_answers_nobody_everybody_or_itself) {
+TEST(Device, never_answers_requests_from_address_zero_broadcast_or_itself) {
     Device device{thermometer};
     for (const std::uint8_t from : {std::uint8_t{0x00}, everybody, self})
         for (const std::uint8_t to : {self, everybody})
@@ -71,7 +71,7 @@ TEST(Device, never_answers_an_acknowledgement_or_telemetry) {
     EXPECT_EQ(device.counters().unanswered, 11u);
 }
 
-TEST(Device, says_nothing_to_a_question_that_is_too_short_or_not_known) {
+TEST(Device, does_not_answer_a_request_that_is_too_short_or_unknown) {
     Device device{thermometer};
     EXPECT_EQ(answer(device, ask(0xE0, {})), silence);
     EXPECT_EQ(answer(device, ask(0xE0, {0, 0})), silence);
@@ -82,7 +82,7 @@ TEST(Device, says_nothing_to_a_question_that_is_too_short_or_not_known) {
     EXPECT_NE(answer(device, ask(0xE0, {0, 0, 0, 9, 9})), silence) << "longer is legal";
 }
 
-TEST(Device, answers_on_the_link_that_the_question_came_by) {
+TEST(Device, answers_on_the_link_of_the_request) {
     Device device{thermometer};
     const Bytes question = ask(0xE0, who_are_you);
     device.take(FrameView{question}, start, 7);
@@ -92,7 +92,7 @@ TEST(Device, answers_on_the_link_that_the_question_came_by) {
     EXPECT_FALSE(device.next());
 }
 
-TEST(Device, loses_answers_when_nobody_takes_them_and_says_so) {
+TEST(Device, drops_and_counts_responses_when_its_queue_is_full) {
     Device device{thermometer};
     const Bytes question = ask(0xE0, who_are_you);
     for (std::size_t i = 0; i < ano::device::Outgoing::max_frames + 5; ++i) device.take(FrameView{question}, start);
@@ -117,7 +117,7 @@ TEST(Device, sends_messages_of_the_user) {
     EXPECT_FALSE(device.next());
 }
 
-TEST(Device, has_an_address_that_a_device_may_have) {
+TEST(Device, accepts_only_a_valid_device_address) {
     for (const std::uint8_t id : Bytes{0, 254, 255}) EXPECT_THROW((Device{{.id = id, .name = "x"}}), std::invalid_argument);
     EXPECT_NO_THROW((Device{{.id = 253, .name = std::string(20, 'n')}}));
     EXPECT_THROW((Device{{.id = 1, .name = std::string(21, 'n')}}), std::invalid_argument);

@@ -88,7 +88,7 @@ struct Loader {
     bool works = true;
 };
 
-TEST(Firmware, takes_a_bin) {
+TEST(Firmware, accepts_a_bin) {
     Loader loader;
     loader.begin();
     for (const std::uint8_t number : Bytes{0, 1, 2}) loader.write(number);
@@ -97,7 +97,7 @@ TEST(Firmware, takes_a_bin) {
     EXPECT_EQ(loader.device.firmware().state(), State::passed);
 }
 
-TEST(Firmware, sends_codes_high_byte_first_where_its_profile_says_so) {
+TEST(Firmware, sends_codes_high_byte_first_if_its_profile_requires_it) {
     Loader loader{Profile{.firmware_order = ano::ByteOrder::big}};
     loader.device.firmware().allow(loader.flash);
     EXPECT_EQ(answer(loader.device, image_info(loader.info())), says(0xF0, {0, 0x01, 0x02}));
@@ -109,7 +109,7 @@ TEST(Firmware, sends_codes_high_byte_first_where_its_profile_says_so) {
     EXPECT_EQ(loader.installed, loader.image);
 }
 
-TEST(Firmware, understands_an_erase_in_both_orders_and_goes_on_in_that_order) {
+TEST(Firmware, accepts_an_erase_in_both_byte_orders_and_continues_in_that_order) {
     for (const auto order : {ano::ByteOrder::little, ano::ByteOrder::big}) {
         Loader loader{Profile{.firmware_order = order}};
         loader.device.firmware().allow(loader.flash);
@@ -126,7 +126,7 @@ TEST(Firmware, understands_an_erase_in_both_orders_and_goes_on_in_that_order) {
     loader.write(0);
 }
 
-TEST(Firmware, takes_a_bia_for_its_own_hardware_only) {
+TEST(Firmware, accepts_a_bia_only_for_its_hardware) {
     Loader loader;
     Bytes header(100);
     header[0] = 'b', header[1] = 'i', header[2] = 'a';
@@ -149,7 +149,7 @@ TEST(Firmware, takes_a_bia_for_its_own_hardware_only) {
     EXPECT_EQ(loader.version, 42);
 }
 
-TEST(Firmware, refuses_what_it_can_not_hold_or_count) {
+TEST(Firmware, rejects_an_image_that_it_cannot_store_or_count) {
     Loader loader;
     loader.flash.accept = [](const ImageInfo& i) { return i.version != 13; };
     loader.device.firmware().allow(loader.flash);
@@ -171,7 +171,7 @@ TEST(Firmware, refuses_what_it_can_not_hold_or_count) {
     EXPECT_EQ(answer(loader.device, too_short), silence);
 }
 
-TEST(Firmware, takes_frames_in_any_order_and_again) {
+TEST(Firmware, accepts_frames_in_any_order_and_repeatedly) {
     Loader loader;
     loader.begin();
     loader.write(2);
@@ -184,7 +184,7 @@ TEST(Firmware, takes_frames_in_any_order_and_again) {
     EXPECT_EQ(loader.installed, loader.image);
 }
 
-TEST(Firmware, takes_the_last_frame_filled_up) {
+TEST(Firmware, accepts_a_padded_last_frame) {
     Loader loader;
     loader.begin();
     loader.write(0);
@@ -195,7 +195,7 @@ TEST(Firmware, takes_the_last_frame_filled_up) {
     EXPECT_EQ(loader.installed, loader.image);
 }
 
-TEST(Firmware, fails_a_frame_that_is_short_long_or_behind_the_end) {
+TEST(Firmware, fails_a_frame_that_is_too_short_too_long_or_after_the_end) {
     Loader loader;
     loader.begin();
     EXPECT_EQ(answer(loader.device, image_frame(0, Bytes(9))), says_of_frame(0x1001, 0));
@@ -221,7 +221,7 @@ TEST(Firmware, with_a_gap_or_damage_does_not_pass) {
     EXPECT_EQ(loader.installs, 0);
 }
 
-TEST(Firmware, checks_the_crc_that_it_is_told_to) {
+TEST(Firmware, checks_the_configured_crc) {
     Loader loader;
     loader.flash.crc = ano::find_crc16("crc16/modbus");
     loader.begin();
@@ -233,7 +233,7 @@ TEST(Firmware, checks_the_crc_that_it_is_told_to) {
     EXPECT_EQ(answer(loader.device, all_sent), says_code(0x1012)) << "not checked";
 }
 
-TEST(Firmware, is_installed_once_however_often_the_host_asks) {
+TEST(Firmware, is_installed_once_however_often_the_host_requests_it) {
     Loader loader;
     loader.begin();
     for (const std::uint8_t number : Bytes{0, 1, 2}) loader.write(number);
@@ -247,7 +247,7 @@ TEST(Firmware, is_installed_once_however_often_the_host_asks) {
     EXPECT_EQ(loader.installs, 2);
 }
 
-TEST(Firmware, fails_what_comes_out_of_turn) {
+TEST(Firmware, fails_steps_that_arrive_out_of_order) {
     Loader loader;
     loader.device.firmware().allow(loader.flash);
     EXPECT_EQ(answer(loader.device, loader.frame(0)), says_of_frame(0x1001, 0));
@@ -266,7 +266,7 @@ TEST(Firmware, fails_what_comes_out_of_turn) {
     EXPECT_EQ(loader.device.firmware().state(), State::receiving) << "and goes on";
 }
 
-TEST(Firmware, says_so_when_its_flash_can_not_be_erased) {
+TEST(Firmware, reports_that_its_flash_cannot_be_erased) {
     Loader loader;
     loader.flash.erase = [] { return false; };
     loader.device.firmware().allow(loader.flash);
@@ -298,7 +298,7 @@ TEST(Firmware, answers_a_slow_step_when_it_is_done) {
     EXPECT_EQ(loader.installs, 1);
 }
 
-TEST(Firmware, of_everybody_is_for_nobody) {
+TEST(Firmware, sent_by_broadcast_is_ignored) {
     Loader loader;
     loader.device.firmware().allow(loader.flash);
     Bytes info = image_info(loader.info());
@@ -307,14 +307,14 @@ TEST(Firmware, of_everybody_is_for_nobody) {
     EXPECT_EQ(loader.device.firmware().state(), State::idle);
 }
 
-TEST(Firmware, is_not_talked_about_by_a_device_without_a_loader) {
+TEST(Firmware, is_ignored_by_a_device_without_a_loader) {
     Loader loader;
     for (const auto& frame : {image_info(loader.info()), erase, loader.frame(0), all_sent})
         EXPECT_EQ(answer(loader.device, frame), silence);
     EXPECT_EQ(loader.device.counters().unknown, 4u);
 }
 
-TEST(Firmware, does_not_answer_the_answers_of_a_loader) {
+TEST(Firmware, does_not_answer_responses_of_a_loader) {
     Loader loader;
     loader.device.firmware().allow(loader.flash);
     for (const std::uint16_t answered : std::initializer_list<std::uint16_t>{0x0101, 0x0102, 0x0111, 0x0112, 0x1011, 0x1012})

@@ -13,7 +13,7 @@ using ano::device::LogColor;
 using namespace talk;
 using support::operator+;
 
-TEST(Log, is_a_line_in_a_colour) {
+TEST(Log, sends_a_line_in_a_colour) {
     Device device{{.id = self}};
     EXPECT_TRUE(device.log("ready"));
     EXPECT_TRUE(device.log("hot", LogColor::red));
@@ -31,7 +31,7 @@ TEST(Log, may_have_a_number) {
     EXPECT_EQ(heard(device).front(), says(0xA1, Bytes{0, 0, 0xC0, 0x3F} + bytes("bar")));
 }
 
-TEST(Log, is_cut_to_what_fits_and_lost_when_nobody_takes_it) {
+TEST(Log, is_cut_to_fit_a_frame_and_lost_when_the_queue_is_full) {
     Device device{{.id = self}};
     EXPECT_TRUE(device.log(std::string(1000, 'x')));
     EXPECT_TRUE(device.log(1.0f, std::string(1000, 'x')));

@@ -55,7 +55,7 @@ TEST(Parameters, are_counted_for_a_host) {
 }
 
 // The answer to 0xE0 {1, 0} has the same form as the question.
-TEST(Parameters, are_counted_for_another_device_only_as_long_as_it_does_not_sound_like_a_question) {
+TEST(Parameters, are_counted_for_another_device_only_if_the_response_differs_from_a_request) {
     Bench bench;
     float a = 0;
     EXPECT_EQ(answer(bench.device, support::frame(5, self, 0xE0, {1, 0, 0})), silence);
@@ -86,7 +86,7 @@ void is_told_and_written(std::uint8_t par_type, T first, T second) {
     EXPECT_EQ(variable, first);
 }
 
-TEST(Parameters, of_every_number_are_told_and_written) {
+TEST(Parameters, of_every_number_type_are_read_and_written) {
     is_told_and_written<std::uint8_t>(0, 7, 255);
     is_told_and_written<std::int8_t>(1, -7, -128);
     is_told_and_written<std::uint16_t>(2, 7, 65535);
@@ -116,7 +116,7 @@ TEST(Parameters, may_be_text) {
     EXPECT_EQ(answer(bench.device, read(0)), value(0, {0})) << "empty";
 }
 
-TEST(Parameters, of_text_fit_into_a_frame_that_every_device_takes) {
+TEST(Parameters, of_text_fit_into_a_frame_that_every_device_accepts) {
     Bench bench;
     std::string text(196, 'x');
     bench.parameters.add("LONG", text, {.info = std::string(500, 'i')});
@@ -148,7 +148,7 @@ TEST(Parameters, stay_within_their_limits) {
     EXPECT_EQ(trim, 127) << "no limit but that of the type";
 }
 
-TEST(Parameters, at_or_beyond_the_count_get_silence) {
+TEST(Parameters, at_or_beyond_the_count_get_no_response) {
     Bench bench;
     std::uint8_t one = 1;
     bench.parameters.add("ONE", one);
@@ -159,7 +159,7 @@ TEST(Parameters, at_or_beyond_the_count_get_silence) {
     EXPECT_FALSE(bench.device.crashed());
 }
 
-TEST(Parameters, may_be_functions_that_refuse) {
+TEST(Parameters, may_be_functions_that_reject_values) {
     Bench bench;
     std::int64_t even = 2;
     Parameter row{.name = "EVEN", .type = Type::i32, .get = [&] { return Value{even}; }, .initial = std::int64_t{2}};
@@ -182,7 +182,7 @@ TEST(Parameters, may_be_functions_that_refuse) {
     EXPECT_TRUE(bench.parameters.restore_defaults()) << "nor is it restored";
 }
 
-TEST(Parameters, whose_function_gives_a_value_of_another_type_are_not_told) {
+TEST(Parameters, whose_function_returns_a_value_of_another_type_are_not_sent) {
     Bench bench;
     Value now = std::int64_t{1};
     bench.parameters.add({.name = "ODD", .type = Type::u8, .get = [&] { return now; }, .initial = std::int64_t{0}});
@@ -192,7 +192,7 @@ TEST(Parameters, whose_function_gives_a_value_of_another_type_are_not_told) {
     EXPECT_EQ(bench.device.counters().refused, 1u);
 }
 
-TEST(Parameters, are_restored_to_what_they_were_when_added) {
+TEST(Parameters, are_restored_to_their_initial_values) {
     Bench bench;
     EXPECT_EQ(answer(bench.device, act(0xAA)), silence) << "there is nothing to restore";
     float gain = 0.5f;
@@ -231,7 +231,7 @@ TEST(Parameters, have_actions_of_the_user) {
     EXPECT_EQ(done, 2);
 }
 
-TEST(Parameters, of_the_calibration_are_named_as_the_host_looks_for_them) {
+TEST(Parameters, of_the_calibration_have_the_names_that_hosts_expect) {
     Bench bench;
     std::array<float, 15> accelerometer{};
     std::array<float, 6> compass{};
@@ -262,7 +262,7 @@ TEST(Parameters, of_the_calibration_are_named_as_the_host_looks_for_them) {
     EXPECT_EQ(saved, 2);
 }
 
-TEST(Parameters, are_written_by_their_own_program_too) {
+TEST(Parameters, can_also_be_written_by_their_program) {
     Bench bench;
     float gain = 1;
     bench.parameters.add("GAIN", gain, {.max = 3});
@@ -276,7 +276,7 @@ TEST(Parameters, are_written_by_their_own_program_too) {
     EXPECT_EQ(gain, 3);
 }
 
-TEST(Parameters, that_make_no_sense_are_not_added) {
+TEST(Parameters, that_are_invalid_are_rejected) {
     Bench bench;
     float f = 1;
     double d = 1;

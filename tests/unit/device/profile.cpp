@@ -42,7 +42,7 @@ TEST(Profile, vendor_acknowledges_a_parameter_that_it_does_not_have) {
     EXPECT_EQ(answer(device, ask(0xE0, {3, 2, 0})), silence);
 }
 
-TEST(Profile, may_refuse_what_others_clamp) {
+TEST(Profile, may_reject_values_that_others_clamp) {
     Device device{{.id = self}, {.refuses_beyond_limits = true}};
     std::uint8_t one = 1;
     std::string name = "ab";
@@ -56,7 +56,7 @@ TEST(Profile, may_refuse_what_others_clamp) {
     EXPECT_EQ(name, "ab");
 }
 
-TEST(Profile, vendor_stores_the_check_bytes_in_place_of_what_is_missing) {
+TEST(Profile, vendor_stores_the_checksum_in_place_of_missing_bytes) {
     Device device{{.id = self}, vendor_at_once()};
     std::uint32_t wide = 7;
     std::uint16_t of_command = 0;
@@ -79,14 +79,14 @@ TEST(Profile, vendor_cuts_a_text_at_29_bytes) {
     EXPECT_EQ(text, std::string(29, 'x'));
 }
 
-TEST(Profile, vendor_does_not_hear_what_its_buffer_can_not_hold) {
+TEST(Profile, vendor_ignores_frames_that_do_not_fit_its_buffer) {
     Device device{{.id = self}, vendor_at_once()};
     EXPECT_NE(answer(device, ask(0xE0, Bytes(198))), silence);
     EXPECT_EQ(answer(device, ask(0xE0, Bytes(199))), silence);
     EXPECT_EQ(device.counters().too_long, 1u);
 }
 
-TEST(Profile, vendor_crashes_when_asked_for_the_parameter_behind_the_last_one) {
+TEST(Profile, vendor_crashes_on_a_request_for_the_parameter_after_the_last_one) {
     for (const Bytes& last_words : {ask(0xE0, {2, 1, 0}), ask(0xE0, {3, 1, 0}), ask(0xE1, {1, 0, 5})}) {
         Device device{{.id = self}, vendor_at_once()};
         std::uint8_t one = 1;
@@ -99,7 +99,7 @@ TEST(Profile, vendor_crashes_when_asked_for_the_parameter_behind_the_last_one) {
     }
 }
 
-TEST(Profile, vendor_fails_an_image_frame_ahead_of_its_turn) {
+TEST(Profile, vendor_fails_an_image_frame_that_arrives_too_early) {
     Device device{{.id = self}, vendor_at_once()};
     device.firmware().allow({.max_size = 100});
     answer(device, ask(0xF0, Bytes{1, 20, 0, 0, 0, 10, 0} + Bytes(13)));
@@ -110,7 +110,7 @@ TEST(Profile, vendor_fails_an_image_frame_ahead_of_its_turn) {
     EXPECT_EQ(answer(device, ask(0xF0, Bytes{0x10, 0, 0} + Bytes(10))), says(0xF0, {0, 0x10, 0x02, 0, 0})) << "again";
 }
 
-TEST(Profile, vendor_queues_twenty_frames_and_drops_further_ones_without_a_word) {
+TEST(Profile, vendor_queues_twenty_frames_and_silently_drops_further_ones) {
     Device device{{.id = self}, Profile::vendor()};
     std::uint8_t one = 1;
     device.parameters().add("ONE", one);
@@ -127,7 +127,7 @@ TEST(Profile, vendor_queues_twenty_frames_and_drops_further_ones_without_a_word)
     EXPECT_EQ(device.counters().answered, 21u);
 }
 
-TEST(Profile, vendor_that_crashed_forgets_what_waits) {
+TEST(Profile, vendor_that_crashed_drops_its_waiting_frames) {
     Device device{{.id = self}, Profile::vendor()};
     const Bytes behind = ask(0xE0, {2, 0, 0});
     device.take(FrameView{behind}, start);
@@ -138,7 +138,7 @@ TEST(Profile, vendor_that_crashed_forgets_what_waits) {
     EXPECT_TRUE(heard(device).empty());
 }
 
-TEST(Profile, vendor_does_in_turn_what_takes_its_time) {
+TEST(Profile, vendor_executes_slow_steps_one_after_another) {
     const Bytes accept = ask(0xF0, Bytes{1, 20, 0, 0, 0, 10, 0} + Bytes(13)), erase = ask(0xF0, {0, 0x01, 0x10});
     const Bytes erased = says(0xF0, {0, 0x01, 0x12});
     for (const bool late : {false, true}) {

@@ -15,7 +15,7 @@ using support::frame;
 
 const Bytes write = frame(0xFE, 0x21, 0xE1, {0, 0, 1});
 
-TEST(Reply, is_one) {
+TEST(Reply, is_sent_only_once) {
     Outgoing out;
     Reply reply{FrameView{write}, 5, 0x21, out};
     EXPECT_EQ(reply.acknowledge(), Outcome::answered);
@@ -30,7 +30,7 @@ TEST(Reply, is_one) {
     EXPECT_EQ(reply.lost(), 0u);
 }
 
-TEST(Reply, is_no_acknowledgement_of_what_the_table_says_is_not_acknowledged) {
+TEST(Reply, is_not_sent_for_messages_that_are_not_acknowledged) {
     Outgoing out;
     for (const std::uint8_t id : Bytes{0x00, 0x40, 0x41, 0x60, 0xC1, 0xF0}) {
         const Bytes request = frame(0xFE, 0x21, id, Bytes(22));
@@ -40,7 +40,7 @@ TEST(Reply, is_no_acknowledgement_of_what_the_table_says_is_not_acknowledged) {
     EXPECT_EQ(out.waiting(), 0u);
 }
 
-TEST(Reply, is_lost_where_no_more_may_wait) {
+TEST(Reply, is_lost_when_the_queue_is_full) {
     Outgoing out;
     for (std::size_t i = 0; i <= Outgoing::max_frames; ++i) {
         Reply reply{FrameView{write}, 0, 0x21, out};
@@ -50,7 +50,7 @@ TEST(Reply, is_lost_where_no_more_may_wait) {
     EXPECT_EQ(out.waiting(), Outgoing::max_frames);
 }
 
-TEST(Reply, is_longer_by_zeros_where_a_layout_is) {
+TEST(Reply, is_padded_with_zeros_for_a_longer_layout) {
     Outgoing out;
     Reply reply{FrameView{write}, 0, 0x21, out};
     ano::Draft<"command_query"> count;

@@ -39,7 +39,7 @@ void comes_back_at_its_ends() {
     EXPECT_EQ(zero_of(type_of<T>), to_value(T{}));
 }
 
-TEST(Value, of_every_number_comes_back) {
+TEST(Value, of_every_number_type_reads_back_unchanged) {
     comes_back_at_its_ends<std::uint8_t>();
     comes_back_at_its_ends<std::int8_t>();
     comes_back_at_its_ends<std::uint16_t>();
@@ -75,7 +75,7 @@ TEST(Value, fits_only_its_type) {
     EXPECT_FALSE(fits(std::string{"x"}, Type::f32));
 }
 
-TEST(Value, is_cut_to_what_the_oldest_devices_send) {
+TEST(Value, is_limited_to_the_i32_of_the_oldest_devices) {
     EXPECT_EQ(as_i32(std::int64_t{-5}), -5);
     EXPECT_EQ(as_i32(std::int64_t{1} << 40), INT32_MAX);
     EXPECT_EQ(as_i32(UINT64_MAX), INT32_MAX);

@@ -18,7 +18,7 @@ Bytes written(std::uint8_t number) {
 Bytes read_number(std::uint8_t number) { return ask(0x60, {number}); }
 Bytes count() { return read_number(0xFF); }
 
-TEST(Waypoints, are_written_in_turn_counted_and_read) {
+TEST(Waypoints, are_written_in_order_counted_and_read) {
     Device device{{.id = self}};
     device.waypoints().allow(3);
     EXPECT_EQ(answer(device, count()), says(0x60, {0}));
@@ -35,7 +35,7 @@ TEST(Waypoints, are_written_in_turn_counted_and_read) {
     EXPECT_EQ(w.cmd, (std::array<std::uint8_t, 4>{10, 20, 30, 40}));
 }
 
-TEST(Waypoints, leave_no_gap_and_end_where_they_are_allowed_to) {
+TEST(Waypoints, leave_no_gap_and_end_at_the_allowed_count) {
     Device device{{.id = self}};
     device.waypoints().allow(2);
     EXPECT_EQ(answer(device, written(1)), silence) << "0 comes first";
@@ -49,7 +49,7 @@ TEST(Waypoints, leave_no_gap_and_end_where_they_are_allowed_to) {
     EXPECT_EQ(device.waypoints().count(), 2u);
 }
 
-TEST(Waypoints, of_a_device_without_them_are_not_talked_about) {
+TEST(Waypoints, of_a_device_without_them_get_no_response) {
     Device device{{.id = self}};
     for (const auto& frame : {count(), read_number(0), written(0)}) EXPECT_EQ(answer(device, frame), silence);
     EXPECT_EQ(device.counters().unknown, 3u);
@@ -75,7 +75,7 @@ TEST(Waypoints, may_be_refused_by_the_user) {
 }
 
 // A message with 255 of them would equal the question for their number.
-TEST(Waypoints, are_never_so_many_that_their_number_is_a_question) {
+TEST(Waypoints, are_limited_so_that_their_count_never_equals_a_request) {
     Device device{{.id = self}};
     device.waypoints().allow(1000);
     device.waypoints().resize(1000);
@@ -85,7 +85,7 @@ TEST(Waypoints, are_never_so_many_that_their_number_is_a_question) {
     EXPECT_EQ(device.waypoints().count(), 1u);
 }
 
-TEST(Waypoints, are_set_by_the_program_itself) {
+TEST(Waypoints, can_be_set_by_the_program) {
     Device device{{.id = self}};
     device.waypoints().allow(1);
     device.waypoints().resize(1);

@@ -17,7 +17,7 @@ std::string fault(const std::string& row) {
     return wrong != nullptr ? *wrong : "";
 }
 
-TEST(AlarmLimits, say_what_is_wrong_with_them) {
+TEST(AlarmLimits, report_their_errors) {
     EXPECT_EQ(fault(R"({"field": "power.voltage", "side": "below", "amber": 3.6, "red": 3.4, "cells": 4, "for_s": 2})"), "");
     EXPECT_EQ(fault(R"({"field": "power.voltage", "side": "below", "amber": 3.4, "red": 3.6})"),
               "limit 1: 'red' must be beyond 'amber'");

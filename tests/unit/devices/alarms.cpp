@@ -33,7 +33,7 @@ Bytes power(double voltage, std::uint8_t from = 0xDC) {
     return bytes;
 }
 
-TEST(Alarms, count_when_the_value_is_beyond_its_limit_for_long_enough) {
+TEST(Alarms, are_raised_when_a_value_is_beyond_its_limit_for_long_enough) {
     const auto levels = [](std::initializer_list<double> values, const AlarmLimit& limit) {
         std::vector<AlarmLevel> all;
         for (const double value : values) all.push_back(anogate::level_of(value, limit));
@@ -77,7 +77,7 @@ struct Watch : testing::Test {
     }
 };
 
-TEST_F(Watch, wants_only_frames_that_have_a_limit) {
+TEST_F(Watch, selects_only_frames_with_a_limit) {
     for (unsigned id = 0; id < 256; ++id) EXPECT_FALSE(watch.wants(0xDC, static_cast<std::uint8_t>(id)));
     watch.set(0xDC, {cell, {"no_message.x", true, 1.0, std::nullopt, std::nullopt, 0}}, time);
     for (unsigned id = 0; id < 256; ++id)
@@ -89,7 +89,7 @@ TEST_F(Watch, wants_only_frames_that_have_a_limit) {
     EXPECT_FALSE(watch.wants(0xDC, ano::id_of<"power">));
 }
 
-TEST_F(Watch, tells_red_ones_first_and_ignores_what_is_no_value) {
+TEST_F(Watch, lists_red_alarms_first_and_ignores_frames_without_a_value) {
     const AlarmLimit at_once{"power.voltage", true, 14.4, 13.6, std::nullopt, 0};
     watch.set(0x34, {at_once}, time);
     watch.set(0xDC, {at_once, {"power.no_field", true, 1.0, std::nullopt, std::nullopt, 0}}, time);
@@ -104,7 +104,7 @@ TEST_F(Watch, tells_red_ones_first_and_ignores_what_is_no_value) {
     EXPECT_FALSE(hear(power(15)));
 }
 
-TEST_F(Watch, judges_the_last_value_by_new_limits) {
+TEST_F(Watch, checks_the_last_value_against_new_limits) {
     watch.set(0xDC, {cell}, time);
     hear(power(14));    // 3.5 V per cell
     time += 2s;
@@ -125,7 +125,7 @@ TEST_F(Watch, judges_the_last_value_by_new_limits) {
     EXPECT_EQ(told(), "");
 }
 
-TEST_F(Watch, judges_flexible_messages_by_their_layouts_and_skips_what_is_not_finite) {
+TEST_F(Watch, checks_flexible_messages_by_their_layouts_and_skips_values_that_are_not_finite) {
     ano::FlexibleSpec spec;
     spec.id = 0xF1;
     spec.fields = {{"percent", ano::Type::f32, 1, "%", 1}, {"many", ano::Type::u8, 1, "", 4}};
@@ -191,7 +191,7 @@ struct Follower {
     }
 };
 
-TEST_F(AlarmAnswers, say_what_is_in_alarm_now) {
+TEST_F(AlarmAnswers, list_the_current_alarms) {
     EXPECT_EQ(net.ask("GET", "/alarms").json, (Json{{"alarms", Json::array()}}));
     set(2);
     hear(13.2);
@@ -214,7 +214,7 @@ TEST_F(AlarmAnswers, say_what_is_in_alarm_now) {
     EXPECT_EQ(now(), "");
 }
 
-TEST_F(AlarmAnswers, are_judged_by_limits_that_an_earlier_run_kept) {
+TEST_F(AlarmAnswers, use_limits_stored_by_an_earlier_run) {
     set();
     SimulatedNet after;
     EXPECT_EQ(after.service.remember_limits(0xDC, net.kept.at("limits-0xDC.json")), "");
@@ -223,7 +223,7 @@ TEST_F(AlarmAnswers, are_judged_by_limits_that_an_earlier_run_kept) {
     EXPECT_EQ(in(after.ask("GET", "/alarms").json), "red 3.3");
 }
 
-TEST_F(AlarmAnswers, tell_followers_the_whole_at_each_change_and_nothing_while_all_is_well) {
+TEST_F(AlarmAnswers, send_all_alarms_at_each_change_and_nothing_while_there_are_none) {
     set(1);
     Follower follower{net};
     ASSERT_TRUE(follower.producer);
@@ -257,7 +257,7 @@ TEST_F(AlarmAnswers, tell_followers_the_whole_at_each_change_and_nothing_while_a
     EXPECT_EQ(follower.woken, before);
 }
 
-TEST_F(AlarmAnswers, tell_a_value_that_changes_all_the_time_ten_times_a_second) {
+TEST_F(AlarmAnswers, report_a_constantly_changing_value_at_most_ten_times_a_second) {
     set();
     Follower follower{net};
     follower.lines();
@@ -290,7 +290,7 @@ struct LostVehicles : testing::Test {
 };
 
 // For a page that is opened after the loss.
-TEST_F(LostVehicles, are_told_with_their_last_state_until_they_are_heard_again) {
+TEST_F(LostVehicles, are_listed_with_their_last_state_until_they_are_received_again) {
     say(2);
     net.pass(1900ms);
     EXPECT_EQ(lost(), Json::array());
@@ -306,7 +306,7 @@ TEST_F(LostVehicles, are_told_with_their_last_state_until_they_are_heard_again) 
     EXPECT_EQ(lost(), Json::array()) << "it was switched off";
 }
 
-TEST_F(LostVehicles, that_were_locked_are_told_for_a_minute) {
+TEST_F(LostVehicles, that_were_locked_are_listed_for_a_minute) {
     say(0);
     say(1, 0xDD);
     net.pass(59s);
@@ -317,7 +317,7 @@ TEST_F(LostVehicles, that_were_locked_are_told_for_a_minute) {
 }
 
 // An optical flow sensor, or a vehicle whose program sends no `mode`.
-TEST_F(LostVehicles, that_never_sent_a_mode_are_told_without_a_state) {
+TEST_F(LostVehicles, that_never_sent_a_mode_are_listed_without_a_state) {
     for (int i = 0; i < 3; ++i) {
         net.service.hear_telemetry(0x51, 0x51, net.time);
         net.pass(2s);
@@ -339,7 +339,7 @@ TEST_F(LostVehicles, that_never_sent_a_mode_are_told_without_a_state) {
     EXPECT_EQ(lost(), Json::array()) << "it was switched off";
 }
 
-TEST_F(LostVehicles, are_none_that_only_answer_or_log) {
+TEST_F(LostVehicles, exclude_devices_that_only_answer_or_log) {
     for (const std::uint8_t id :
          {std::uint8_t{0xE3}, std::uint8_t{0xE1}, std::uint8_t{0xA0}, std::uint8_t{0xB0}, std::uint8_t{0xFB}})
         for (int i = 0; i < 9; ++i) net.service.hear_telemetry(0x51, id, net.time), net.pass(1s);
@@ -347,7 +347,7 @@ TEST_F(LostVehicles, are_none_that_only_answer_or_log) {
     EXPECT_EQ(lost(), Json::array());
 }
 
-TEST_F(LostVehicles, are_lost_after_a_silence_that_their_own_period_allows) {
+TEST_F(LostVehicles, are_lost_after_a_silence_that_depends_on_their_period) {
     using anogate::LossWatch;
     for (const Duration period : std::initializer_list<Duration>{20ms, 100ms, 1s, 4s}) {
         LossWatch watch;
@@ -374,7 +374,7 @@ TEST_F(LostVehicles, are_lost_after_a_silence_that_their_own_period_allows) {
 }
 
 // Any program in a network can send frames with the address of a lost vehicle.
-TEST_F(LostVehicles, stay_lost_while_they_are_only_heard_where_they_are_not_known) {
+TEST_F(LostVehicles, stay_lost_while_they_are_only_received_on_another_link) {
     EXPECT_FALSE(net.service.stays_lost(0xDC)) << "it was never heard";
     say(0);
     EXPECT_FALSE(net.service.stays_lost(0xDC)) << "it was locked, and may be connected elsewhere";
@@ -409,7 +409,7 @@ std::string devices_in(const std::vector<Json>& lines) {
 }
 
 // A hidden page receives no other reports.
-TEST_F(LostVehicles, are_told_to_those_who_follow_the_alarms_and_so_are_those_that_are_back) {
+TEST_F(LostVehicles, are_reported_to_followers_of_the_alarms_when_lost_and_when_back) {
     Follower follower{net};
     EXPECT_EQ(devices_in(follower.lines()), "none");
     const auto fly = [&](Duration duration, std::uint8_t flag = 2) {
@@ -439,7 +439,7 @@ TEST_F(LostVehicles, are_told_to_those_who_follow_the_alarms_and_so_are_those_th
     EXPECT_EQ(devices_in(follower.lines()), "none");
 }
 
-TEST_F(LostVehicles, that_never_sent_a_mode_are_told_to_who_follows_as_well) {
+TEST_F(LostVehicles, that_never_sent_a_mode_are_reported_to_followers_too) {
     Follower follower{net};
     follower.lines();
     const auto send = [&] {
@@ -453,7 +453,7 @@ TEST_F(LostVehicles, that_never_sent_a_mode_are_told_to_who_follows_as_well) {
     EXPECT_EQ(devices_in(follower.lines()), "heard 0x51");
 }
 
-TEST_F(LostVehicles, that_were_locked_are_told_again_to_who_follows_for_a_minute_and_stay_lost) {
+TEST_F(LostVehicles, that_were_locked_are_reported_to_followers_for_a_minute_and_stay_lost) {
     Follower follower{net};
     follower.lines();
     say(0);
@@ -465,7 +465,7 @@ TEST_F(LostVehicles, that_were_locked_are_told_again_to_who_follows_for_a_minute
     EXPECT_EQ(devices_in(Follower{net}.lines()), "lost 0xDC 0 3662.0");
 }
 
-TEST_F(LostVehicles, are_not_judged_by_a_gateway_that_stood_still) {
+TEST_F(LostVehicles, are_not_reported_by_a_gateway_that_was_stalled) {
     Follower follower{net};
     follower.lines();
     say(2);
@@ -499,7 +499,7 @@ struct LogStream : testing::Test {
     }
 };
 
-TEST_F(LogStream, begins_with_the_lines_that_are_kept_and_goes_on_with_those_that_come) {
+TEST_F(LogStream, begins_with_the_stored_lines_and_continues_with_new_ones) {
     for (const char* text : {"a", "b", "c"}) log(text);
     log("x", 0xDD);
     Follower all{net, "/devices/0xDC/log"}, late{net, "/devices/0xDC/log?since=1003"}, everybody{net, "/devices/0xFF/log"};
@@ -520,7 +520,7 @@ TEST_F(LogStream, begins_with_the_lines_that_are_kept_and_goes_on_with_those_tha
     EXPECT_EQ(texts(late.lines()), "f");
 }
 
-TEST_F(LogStream, counts_what_a_slow_client_did_not_take) {
+TEST_F(LogStream, counts_lines_that_a_slow_client_lost) {
     log("first");
     Follower slow{net, "/devices/0xDC/log"}, everybody{net, "/devices/0xFF/log"};
     for (int i = 0; i < 600; ++i) log("line " + std::to_string(i));

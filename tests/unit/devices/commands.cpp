@@ -28,7 +28,7 @@ TEST_F(CommandRoutes, are_listed) {
 }
 
 // The page requests only the commands, and shows the name.
-TEST_F(CommandRoutes, of_a_device_that_describes_none_tell_its_name_anyway) {
+TEST_F(CommandRoutes, of_a_device_that_describes_none_still_show_its_name) {
     fake.instead = [](ano::FrameView f) { return f.id() == 0xC1 ? std::optional{std::vector<Bytes>{}} : std::nullopt; };
     net.passes(frame(0xDC, 0xFF, 0x03, {0, 0, 0, 0, 0, 0, 0}));
     EXPECT_NE(net.ask("GET", "/devices/0xDC/commands").status, 200u);
@@ -89,7 +89,7 @@ struct Afresh final : KnownCommands {
     void TestBody() override {}
 };
 
-TEST_F(KnownCommands, are_called_by_the_first_frame) {
+TEST_F(KnownCommands, are_called_with_the_first_frame_sent) {
     EXPECT_EQ(ids_of_call("LAND"), only_the_call);
     EXPECT_EQ(ids_of_call("1"), only_the_call);
     EXPECT_EQ(ids_of_call("TAKE_OFF", R"({"values": [300]})"), only_the_call);
@@ -97,7 +97,7 @@ TEST_F(KnownCommands, are_called_by_the_first_frame) {
     EXPECT_EQ(Bytes(net.sent[0].begin() + 6, net.sent[0].end() - 2), (Bytes{1, 0, 2}));
 }
 
-TEST_F(KnownCommands, are_listed_without_a_question_where_that_is_enough) {
+TEST_F(KnownCommands, are_listed_without_a_request_if_the_client_accepts_known_ones) {
     const json all = net.ask("GET", "/devices/0xDC/commands?known").json;
     EXPECT_EQ(all.at("commands").size(), 2u);
     EXPECT_EQ(all.at("device").at("name"), "fake");
@@ -111,7 +111,7 @@ TEST_F(KnownCommands, are_listed_without_a_question_where_that_is_enough) {
     EXPECT_EQ(net.sent.size(), 5u) << "not known: read, and beside it the device info";
 }
 
-TEST_F(KnownCommands, are_listed_without_a_question_also_after_an_absence) {
+TEST_F(KnownCommands, are_listed_without_a_request_even_after_an_absence) {
     net.pass(40s);
     net.passes(euler());
     net.pass(1s);
@@ -121,7 +121,7 @@ TEST_F(KnownCommands, are_listed_without_a_question_also_after_an_absence) {
     EXPECT_EQ(ids_of_call("1", R"({"name": "LAND"})"), asked_first);
 }
 
-TEST_F(KnownCommands, stay_known_while_the_device_is_heard) {
+TEST_F(KnownCommands, stay_known_while_the_device_is_received) {
     stream(1s);
     ids_of_call();
     stream(1min);
@@ -134,7 +134,7 @@ TEST_F(KnownCommands, stay_known_while_the_device_is_heard) {
     EXPECT_FALSE(net.listens) << "it is away";
 }
 
-TEST_F(KnownCommands, of_a_device_that_was_away_are_confirmed_by_one_question) {
+TEST_F(KnownCommands, of_a_device_that_was_absent_are_confirmed_by_one_request) {
     net.pass(40s);
     EXPECT_EQ(first_three(ids_of_call()), asked_first);
     net.pass(1s);
@@ -148,7 +148,7 @@ TEST_F(KnownCommands, of_a_device_that_was_away_are_confirmed_by_one_question) {
     EXPECT_EQ(first_three(ids_of_call()), asked_first) << "meanwhile nothing was listened to";
 }
 
-TEST_F(KnownCommands, of_a_device_whose_link_was_down_are_those_of_the_device_that_is_there_now) {
+TEST_F(KnownCommands, of_a_device_whose_link_was_down_match_the_device_that_is_now_present) {
     stream(1s);
     net.service.link_was_down(0xDC);
     swap_for_a_car();
@@ -168,7 +168,7 @@ TEST_F(KnownCommands, of_a_device_whose_link_was_down_are_confirmed_once) {
     EXPECT_EQ(net.ask("POST", "/devices/0xDC/commands/by-cid", R"({"cid": [1, 0, 2]})").status, 200u);
 }
 
-TEST_F(KnownCommands, are_not_sent_while_the_link_is_down_nor_later) {
+TEST_F(KnownCommands, are_not_sent_while_the_link_is_down_or_later) {
     stream(1s);
     net.service.link_was_down(0xDC);
     net.is_down = true;
@@ -187,7 +187,7 @@ TEST_F(KnownCommands, are_not_sent_while_the_link_is_down_nor_later) {
 }
 
 // The questions for the call are sent while the link is down; `up` later the device that is there then is heard.
-TEST_F(KnownCommands, of_a_device_whose_link_comes_up_meanwhile_are_those_of_the_device_that_is_there_then) {
+TEST_F(KnownCommands, of_a_device_whose_link_comes_up_meanwhile_match_the_device_that_is_then_present) {
     for (Duration up{}; up < 700ms; up += 50ms) {
         stream(1s);
         net.service.link_was_down(0xDC);
@@ -203,21 +203,21 @@ TEST_F(KnownCommands, of_a_device_whose_link_comes_up_meanwhile_are_those_of_the
     }
 }
 
-TEST_F(KnownCommands, of_a_device_that_paused_right_behind_the_list_are_confirmed) {
+TEST_F(KnownCommands, of_a_device_that_paused_right_after_the_list_are_confirmed) {
     net.pass(1100ms);
     stream(500ms);
     EXPECT_EQ(ids_of_call(), confirmed_first) << "how often it sends was not known yet";
     EXPECT_EQ(ids_of_call(), only_the_call);
 }
 
-TEST_F(KnownCommands, of_a_device_that_restarted_right_behind_the_list_are_confirmed) {
+TEST_F(KnownCommands, of_a_device_that_restarted_right_after_the_list_are_confirmed) {
     net.pass(1s);
     net.passes(frame(0xDC, 0xFE, 0xE3, {0xDC, 100, 0, 100, 0, 0, 0, 32, 3, 'f', 'a', 'k', 'e'}));
     EXPECT_EQ(ids_of_call(), confirmed_first) << "so late it is no answer to what was asked before the list";
 }
 
 // Its telemetry arrives as `frames` together, once per `interval`, and the first call at `after`.
-TEST_F(KnownCommands, of_a_device_that_sends_seldom_are_called_by_the_first_frame) {
+TEST_F(KnownCommands, of_a_device_that_sends_rarely_are_called_with_the_first_frame_sent) {
     const Duration all[] = {500ms, 700ms, 1s, 2s, 5s};
     for (const Duration interval : all) {
         for (const int frames : {1, 4}) {
@@ -236,7 +236,7 @@ TEST_F(KnownCommands, of_a_device_that_sends_seldom_are_called_by_the_first_fram
     }
 }
 
-TEST_F(KnownCommands, of_a_device_in_the_place_of_one_that_sends_seldom_are_confirmed) {
+TEST_F(KnownCommands, of_a_device_that_replaced_a_rarely_sending_one_are_confirmed) {
     for (int slow = 0; slow < 4; ++slow) {    // frames of the previous device
         Afresh other;
         for (int i = 0; i < slow; ++i, other.net.pass(1s)) other.net.passes(euler());
@@ -284,7 +284,7 @@ TEST_F(CommandRoutes, of_a_device_that_paused_soon_after_the_first_list_are_conf
 }
 
 // Replaced or upgraded before the order, so no earlier data is used.
-TEST_F(KnownCommands, given_by_their_bytes_are_for_the_device_that_is_there) {
+TEST_F(KnownCommands, called_by_their_bytes_are_sent_to_the_device_that_is_present) {
     stream(2s);
     net.service.link_was_down(0xDC);
     swap_for_a_car();
@@ -297,7 +297,7 @@ TEST_F(KnownCommands, given_by_their_bytes_are_for_the_device_that_is_there) {
     EXPECT_EQ(net.ask("POST", "/devices/0xDC/actions", R"({"action": "save"})").status, 200u);
 }
 
-TEST_F(KnownCommands, pass_a_long_job) {
+TEST_F(KnownCommands, overtake_a_long_job) {
     fake.make_parameters(200);
     net.line.delay = 30ms;
     stream(2s);
@@ -312,7 +312,7 @@ TEST_F(KnownCommands, pass_a_long_job) {
 }
 
 // Another device has the address, and the answer that shows this is lost.
-TEST_F(KnownCommands, of_a_device_that_was_away_are_confirmed_though_questions_are_lost) {
+TEST_F(KnownCommands, of_a_device_that_was_absent_are_confirmed_although_requests_are_lost) {
     for (const unsigned lost : {1u, 2u}) {
         net.pass(32s);
         std::swap(fake.commands[0].cid, fake.commands[1].cid);
@@ -378,7 +378,7 @@ TEST_F(KnownCommands, that_an_answer_contradicts_are_not_sent) {
 }
 
 // It receives, but its frames do not arrive any more.
-TEST_F(KnownCommands, of_a_device_that_was_not_heard_for_long_go_where_it_was_heard_last) {
+TEST_F(KnownCommands, of_a_device_silent_for_long_are_sent_to_the_link_where_it_was_last_heard) {
     net.pass(31s);
     net.where[0xDC] = {.was_heard = true};
     fake.instead = [](ano::FrameView) { return std::vector<Bytes>{}; };
@@ -450,7 +450,7 @@ TEST_F(KnownCommands, are_read_again_after_an_upgrade_by_another_host) {
     EXPECT_EQ(ids_of_call()[0], 0xC1);
 }
 
-TEST_F(KnownCommands, whose_number_is_that_of_another_one_now_are_not_called) {
+TEST_F(KnownCommands, whose_number_now_belongs_to_another_command_are_not_called) {
     std::swap(fake.commands[0], fake.commands[1]);
     net.pass(40s);
     const auto [status, error] = net.ask("POST", "/devices/0xDC/commands/0", R"({"name": "TAKE_OFF", "values": [300]})");
@@ -460,12 +460,12 @@ TEST_F(KnownCommands, whose_number_is_that_of_another_one_now_are_not_called) {
     EXPECT_EQ(calls(), 0u);
 }
 
-TEST_F(KnownCommands, that_lack_the_name_are_read_again) {
+TEST_F(KnownCommands, that_lack_a_requested_name_are_read_again) {
     fake.commands.push_back({{1, 0, 3}, {}, "HOVER", ""});
     EXPECT_EQ(ids_of_call("HOVER"), (Bytes{0xC1, 0xC1, 0xC1, 0xC1, 0xC1, 0xC0}));
 }
 
-TEST_F(CommandRoutes, are_called_by_their_three_bytes_without_any_question) {
+TEST_F(CommandRoutes, are_called_by_their_three_bytes_without_a_prior_request) {
     const auto [status, told] = net.ask("POST", "/devices/0xDC/commands/by-cid",
                                         R"({"cid": [1, 0, 1], "values": [{"u16": 300}]})");
     EXPECT_EQ(status, 200u) << told;
@@ -508,7 +508,7 @@ TEST_F(CommandRoutes, with_bad_bytes_or_values_are_never_sent) {
 }
 
 // The user learns this at once, not when the command times out.
-TEST_F(KnownCommands, to_a_link_that_takes_nothing_say_so_while_they_wait) {
+TEST_F(KnownCommands, to_a_link_that_accepts_nothing_report_this_while_they_wait) {
     fake.deaf = true;
     net.stopped = "the link 'fc' takes nothing";
     const auto land = net.asked("POST", "/devices/0xDC/commands/LAND");
@@ -563,7 +563,7 @@ TEST_F(OpenTypes, are_refused_until_the_user_states_their_meaning) {
 }
 
 // The next call may be made before the note is on disk, and the disk may be full.
-TEST_F(OpenTypes, have_their_meaning_from_the_call_that_states_it) {
+TEST_F(OpenTypes, use_a_stated_meaning_from_that_call_on) {
     for (const bool is_slow : {true, false}) {
         net.is_disk_slow = is_slow;
         net.keep_fault = "no space left";
@@ -574,7 +574,7 @@ TEST_F(OpenTypes, have_their_meaning_from_the_call_that_states_it) {
     }
 }
 
-TEST_F(OpenTypes, keep_their_meaning_over_a_restart_and_only_for_this_device) {
+TEST_F(OpenTypes, keep_their_meaning_after_a_restart_and_only_for_this_device) {
     ASSERT_EQ(net.kept.size(), 0u);
     call(R"(, "type7": "u64")");
     ASSERT_EQ(net.kept.size(), 1u);
@@ -603,7 +603,7 @@ TEST_F(OpenTypes, keep_their_meaning_over_a_restart_and_only_for_this_device) {
     }
 }
 
-TEST_F(OpenTypes, mean_what_the_link_states) {
+TEST_F(OpenTypes, have_the_meaning_that_is_set_on_the_link) {
     net.link_manners.value_type_7 = ano::ValueType7::f32;
     EXPECT_EQ(call().status, 200u);
     EXPECT_EQ(values_sent(), as_f32);
@@ -613,7 +613,7 @@ TEST_F(OpenTypes, mean_what_the_link_states) {
     EXPECT_EQ(calls(), 1u);
 }
 
-TEST_F(OpenTypes, mean_what_the_device_shows) {
+TEST_F(OpenTypes, have_the_meaning_that_the_device_shows) {
     fake.commands.push_back({{1, 0, 9}, {9}, "NINE", ""});
     EXPECT_EQ(listed(), "u64");
     EXPECT_EQ(call().status, 200u);
@@ -682,7 +682,7 @@ TEST_F(KnownCommands, are_called_at_once_while_another_one_is_not_answered) {
     EXPECT_EQ((*waits)->json.at("what"), "unknown");
 }
 
-TEST_F(KnownCommands, that_no_rule_lets_pass_do_not_end_other_work) {
+TEST_F(KnownCommands, refused_by_the_rules_do_not_end_other_work) {
     fake.make_parameters(3);
     net.ask("GET", "/devices/0xDC/parameters");
     fake.instead = [](ano::FrameView f) -> std::optional<std::vector<Bytes>> {

@@ -30,7 +30,7 @@ struct DeviceLogs : testing::Test {
     }
 };
 
-TEST_F(DeviceLogs, keeps_the_last_500_of_a_device) {
+TEST_F(DeviceLogs, keep_the_last_500_lines_of_a_device) {
     for (unsigned i = 0; i < 700; ++i) EXPECT_TRUE(hear(0xDC, "line " + std::to_string(i), i % 7 == 0 ? 1 : 2));
     ASSERT_EQ(log.lines(0xDC).size(), 500u);
     EXPECT_EQ(log.lines(0xDC).front().text, "line 200");
@@ -49,7 +49,7 @@ TEST_F(DeviceLogs, of_one_device_do_not_displace_those_of_another) {
 }
 
 // Any program in a network may be the sender, with the addresses of other devices or that of the vehicle.
-TEST_F(DeviceLogs, of_a_known_origin_are_displaced_by_no_others_and_red_ones_count_only_of_them) {
+TEST_F(DeviceLogs, of_a_known_origin_are_not_displaced_by_others_and_only_their_red_lines_count) {
     for (unsigned i = 0; i < 450; ++i) hear(0xDC, "line " + std::to_string(i), 1);
     for (unsigned n = 0; n < 20'000; ++n)
         hear(static_cast<std::uint8_t>(n % 3 == 0 ? 0xDC : 1 + n % 200), "forged", 1, DeviceLog::Origin::anybody);

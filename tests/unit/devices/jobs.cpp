@@ -26,7 +26,7 @@ struct Jobs : testing::Test {
     }
 };
 
-TEST_F(Jobs, a_second_that_writes_is_told_who_has_the_device) {
+TEST_F(Jobs, a_second_writer_gets_an_error_that_names_the_first) {
     const auto first = net.asked("PUT", "/devices/0xDC/parameters/PAR_0?client=one", R"({"value": 1})");
     const auto [status, error] = net.ask("PUT", "/devices/0xDC/parameters/PAR_0", R"({"value": 2})");
     EXPECT_EQ(status, 409u);
@@ -37,7 +37,7 @@ TEST_F(Jobs, a_second_that_writes_is_told_who_has_the_device) {
     EXPECT_EQ(net.ask("PUT", "/devices/0xDC/parameters/PAR_0", R"({"value": 2})").status, 200u);
 }
 
-TEST_F(Jobs, those_that_read_share_the_device) {
+TEST_F(Jobs, that_read_share_the_device) {
     const auto first = net.asked("GET", "/devices/0xDC/parameters");
     const auto second = net.asked("GET", "/devices/0xDC/parameters");
     const auto third = net.asked("PUT", "/devices/0xDC/parameters/PAR_0", R"({"value": 1})");
@@ -58,26 +58,26 @@ TEST_F(Jobs, a_device_whose_info_differs_in_each_answer_is_reported_once) {
     EXPECT_TRUE(net.reports[0].starts_with("0xDC: its device info differs in each answer")) << net.reports[0];
 }
 
-TEST_F(Jobs, frames_that_wait_in_our_own_queue_are_not_sent_again) {
+TEST_F(Jobs, frames_that_wait_in_the_gateway_queue_are_not_sent_again) {
     net.queued_until = net.time + 4s;
     EXPECT_EQ(net.ask("GET", "/devices/0xDC/parameters").status, 200u);
     EXPECT_EQ(net.sent.size(), 3 + 2 * 20u);
     EXPECT_TRUE(net.flushed_before.empty());
 }
 
-TEST_F(Jobs, a_frame_that_never_leaves_counts_as_sent_after_a_while) {
+TEST_F(Jobs, a_frame_that_stays_queued_counts_as_sent_after_a_while) {
     net.queued_until = net.time + 1h;
     EXPECT_EQ(net.ask("GET", "/devices/0xDC/parameters").status, 504u);
 }
 
-TEST_F(Jobs, a_parser_that_may_be_deaf_is_flushed_before_the_question_is_repeated) {
+TEST_F(Jobs, a_parser_that_may_be_stuck_is_flushed_before_the_request_is_repeated) {
     fake.deaf = true;
     EXPECT_EQ(net.ask("GET", "/devices/0xDC/parameters").status, 504u);
     ASSERT_EQ(net.flushed_before.size(), net.sent.size() - 1) << "the line permits one a second";
     EXPECT_EQ(net.flushed_before[0], net.sent[0]);
 }
 
-TEST_F(Jobs, are_told_line_by_line_to_who_accepts_that) {
+TEST_F(Jobs, are_reported_line_by_line_to_clients_that_accept_it) {
     fake.make_parameters(200);
     const auto lines = net.lines("GET", "/devices/0xDC/parameters?client=test");
     ASSERT_TRUE(lines);
@@ -117,7 +117,7 @@ TEST_F(Jobs, are_listed_and_kept_for_a_while) {
     EXPECT_EQ(net.ask("GET", "/jobs/1").status, 404u);
 }
 
-TEST_F(Jobs, no_more_are_kept_than_there_is_room_for) {
+TEST_F(Jobs, are_limited_in_number_when_kept_and_when_running) {
     for (int i = 0; i < 70; ++i) net.ask("GET", "/devices/0xDC/parameters/PAR_1");
     EXPECT_EQ(net.ask("GET", "/jobs").json.at("jobs").size(), anogate::DeviceService::max_jobs);
     fake.deaf = true;
@@ -131,7 +131,7 @@ TEST_F(Jobs, no_more_are_kept_than_there_is_room_for) {
     EXPECT_EQ(net.ask("GET", "/devices/0xDC/parameters").status, 504u) << "they ended";
 }
 
-TEST_F(Jobs, are_cancelled_by_anybody) {
+TEST_F(Jobs, can_be_cancelled_by_any_client) {
     const auto asked = net.asked("GET", "/devices/0xDC/parameters");
     net.pass(50ms);
     const json job = net.ask("DELETE", "/jobs/1").json;
@@ -144,7 +144,7 @@ TEST_F(Jobs, are_cancelled_by_anybody) {
     EXPECT_EQ(net.ask("DELETE", "/jobs/1").json, job) << "once more";
 }
 
-TEST_F(Jobs, end_with_the_client_who_said_so) {
+TEST_F(Jobs, end_when_a_client_that_requested_this_disconnects) {
     fake.deaf = true;
     net.asked("GET", "/devices/0xDC/parameters?while_connected");
     net.asked("GET", "/devices/0xDC/parameters?values=0");
@@ -161,7 +161,7 @@ TEST_F(Jobs, end_with_the_client_who_said_so) {
 }
 
 // An upgrade or a calibration whose client does not wait for its end.
-TEST_F(Jobs, are_not_ended_by_a_client_who_only_watches_them) {
+TEST_F(Jobs, are_not_ended_by_a_client_that_only_watches_them) {
     ASSERT_EQ(net.ask("POST", "/devices/0xDC/calibration", R"({"what": "accelerometer"})").status, 202u);
     const auto watched_and_left = [&] {
         auto lines = net.lines("GET", "/jobs/1?while_connected");
@@ -179,7 +179,7 @@ TEST_F(Jobs, are_not_ended_by_a_client_who_only_watches_them) {
     EXPECT_EQ(watched_and_left(), "cancelled") << "who controls may cancel it";
 }
 
-TEST_F(Jobs, that_read_all_are_one_for_all_who_ask_meanwhile) {
+TEST_F(Jobs, that_read_everything_are_shared_by_requests_made_meanwhile) {
     const auto first = net.asked("GET", "/devices/0xDC/parameters");
     net.pass(50ms);
     const auto second = net.asked("GET", "/devices/0xDC/parameters");
@@ -193,7 +193,7 @@ TEST_F(Jobs, that_read_all_are_one_for_all_who_ask_meanwhile) {
     EXPECT_EQ(net.ask("GET", "/jobs").json.at("jobs").size(), 3u) << "one that has ended is not shared";
 }
 
-TEST_F(Jobs, that_read_what_was_before_a_write_are_not_shared_behind_it) {
+TEST_F(Jobs, that_read_before_a_write_are_not_shared_after_it) {
     fake.make_parameters(300);
     const auto before = net.asked("GET", "/devices/0xDC/parameters");
     net.pass(100ms);
@@ -203,7 +203,7 @@ TEST_F(Jobs, that_read_what_was_before_a_write_are_not_shared_behind_it) {
     EXPECT_EQ(net.ask("GET", "/jobs").json.at("jobs").size(), 3u);
 }
 
-TEST_F(Jobs, that_are_shared_go_on_as_long_as_anybody_needs_them) {
+TEST_F(Jobs, that_are_shared_continue_while_any_client_needs_them) {
     fake.deaf = true;
     auto one = net.lines("GET", "/devices/0xDC/parameters?while_connected");
     auto two = net.lines("GET", "/devices/0xDC/parameters?while_connected");
@@ -222,7 +222,7 @@ TEST_F(Jobs, that_are_shared_go_on_as_long_as_anybody_needs_them) {
     EXPECT_EQ(net.ask("GET", "/jobs/2").json.at("state"), "running") << "one of them did not say that it ends with him";
 }
 
-TEST_F(Jobs, keep_so_many_bytes_of_results_and_no_more) {
+TEST_F(Jobs, keep_a_limited_number_of_result_bytes) {
     using Service = anogate::DeviceService;
     constexpr std::size_t large = Service::max_results / 4;
     for (int i = 0; i < 6; ++i) {
@@ -244,7 +244,7 @@ TEST_F(Jobs, keep_so_many_bytes_of_results_and_no_more) {
 }
 
 // While the answer is built, the loop of the gateway also runs its other tasks.
-TEST_F(Jobs, with_many_rows_are_told_a_few_at_a_time) {
+TEST_F(Jobs, with_many_rows_are_reported_a_few_at_a_time) {
     constexpr std::size_t many = 1000;
     fake.parameters.clear();
     fake.make_parameters(many);
@@ -267,7 +267,7 @@ TEST_F(Jobs, with_many_rows_are_told_a_few_at_a_time) {
               json::parse(R"({"id": 999, "name": "COMMAND", "text": "says something", "values": ["u8", "f32"]})"));
 }
 
-TEST_F(Jobs, that_are_over_are_one_text_for_all_who_have_it) {
+TEST_F(Jobs, that_are_finished_share_one_text_among_all_clients) {
     fake.parameters.clear();
     fake.make_parameters(1000);
     net.ask("GET", "/devices/0xDC/parameters");
@@ -289,7 +289,7 @@ TEST_F(Jobs, that_are_over_are_one_text_for_all_who_have_it) {
     EXPECT_EQ(json::parse(line).at("result").at("parameters").size(), 1000u);
 }
 
-TEST_F(Jobs, of_a_port_and_of_the_device_behind_it_are_of_one_device) {
+TEST_F(Jobs, on_a_port_and_on_the_device_behind_it_count_for_one_device) {
     net.where[3] = {.is_known = true};
     net.same.emplace(3, 0xDC);
     const auto first = net.asked("PUT", "/devices/0xDC/parameters/PAR_0?client=one", R"({"value": 1})");
@@ -299,7 +299,7 @@ TEST_F(Jobs, of_a_port_and_of_the_device_behind_it_are_of_one_device) {
     ASSERT_TRUE(net.until([&] { return first->has_value(); }));
 }
 
-TEST_F(Jobs, end_at_once_when_the_rules_let_nothing_pass) {
+TEST_F(Jobs, end_at_once_when_the_rules_refuse_their_frames) {
     net.refuses[0xE1] = "refused by the rules 'control.receive'";
     const ano::TimePoint begin = net.time;
     const auto [status, error] = net.ask("PUT", "/devices/0xDC/parameters/PAR_0", R"({"value": 1})");
@@ -310,7 +310,7 @@ TEST_F(Jobs, end_at_once_when_the_rules_let_nothing_pass) {
     EXPECT_EQ(net.ask("GET", "/devices/0xDC/parameters").status, 200u) << "what the rules let pass";
 }
 
-TEST_F(Jobs, that_read_go_on_when_what_another_does_may_not_pass) {
+TEST_F(Jobs, that_read_continue_when_frames_of_another_job_are_refused) {
     const auto reads = net.asked("GET", "/devices/0xDC/parameters");
     net.refuses[0xE1] = "no";
     EXPECT_EQ(net.ask("PUT", "/devices/0xDC/parameters/PAR_0", R"({"value": 1})").status, 403u);
@@ -320,7 +320,7 @@ TEST_F(Jobs, that_read_go_on_when_what_another_does_may_not_pass) {
     EXPECT_EQ(net.ask("GET", "/devices/0xDC/parameters").status, 403u);
 }
 
-TEST_F(Jobs, say_what_is_changed_when_the_rules_keep_off_the_rest) {
+TEST_F(Jobs, report_the_changes_made_before_the_rules_refused_the_rest) {
     const auto writes = net.asked("POST", "/devices/0xDC/apply", R"({"parameters": {"PAR_0": 7, "PAR_1": 7}, "rollback": true})");
     const auto has_written = [&] {
         return std::any_of(net.sent.begin(), net.sent.end(), [](const Bytes& one) { return one[3] == 0xE1; });
@@ -333,7 +333,7 @@ TEST_F(Jobs, say_what_is_changed_when_the_rules_keep_off_the_rest) {
     EXPECT_EQ((*writes)->json.at("result").at("parameters").size(), 2u) << (*writes)->json;
 }
 
-TEST_F(Jobs, leave_places_for_those_who_do_not_wait_for_them) {
+TEST_F(Jobs, leave_quota_for_clients_that_do_not_wait_for_them) {
     std::vector<decltype(net.lines("GET", ""))> waiting;
     for (std::size_t i = 0; i < anogate::DeviceService::waiting_places.of_control / 2; ++i)    // of one client
         waiting.push_back(net.lines("GET", "/devices/0xDC/parameters"));
@@ -343,7 +343,7 @@ TEST_F(Jobs, leave_places_for_those_who_do_not_wait_for_them) {
     EXPECT_EQ(net.ask("GET", "/devices/0xDC/parameters").status, 200u);
 }
 
-TEST_F(Jobs, for_the_ground_listen_anew_when_long_nobody_asked) {
+TEST_F(Jobs, only_allowed_on_the_ground_check_the_flight_state_again_after_a_pause) {
     net.ask("GET", "/devices/0xDC/parameters");
     net.passes(frame(0xDC, 0xFF, 0x06, {1, 2, 0, 0, 0}));    // it flies
     EXPECT_EQ(net.ask("POST", "/devices/0xDC/actions", R"({"action": "restore_defaults"})").status, 409u);
@@ -352,12 +352,12 @@ TEST_F(Jobs, for_the_ground_listen_anew_when_long_nobody_asked) {
     EXPECT_EQ(net.ask("POST", "/devices/0xDC/actions", R"({"action": "restore_defaults"})").status, 200u);
 }
 
-TEST_F(Jobs, write_no_number_that_is_none) {
+TEST_F(Jobs, do_not_write_nan_or_infinity) {
     EXPECT_EQ(net.ask("PUT", "/devices/0xDC/parameters/PAR_0", R"({"value": "nan"})").status, 422u);
     EXPECT_EQ(net.ask("PUT", "/devices/0xDC/parameters/PAR_0", R"({"value": "-inf"})").status, 422u);
 }
 
-TEST_F(Jobs, are_not_begun_for_who_is_not_there) {
+TEST_F(Jobs, are_not_started_for_an_absent_device) {
     const TimePoint begin = net.time;
     const auto [status, absent] = net.ask("GET", "/devices/0xDD/parameters");
     EXPECT_EQ(status, 404u);
@@ -371,7 +371,7 @@ TEST_F(Jobs, are_not_begun_for_who_is_not_there) {
     EXPECT_TRUE(net.sent.empty());
 }
 
-TEST_F(Jobs, ask_a_device_that_was_not_heard_before_anything_else) {
+TEST_F(Jobs, contact_an_unseen_device_before_anything_else) {
     net.add(0xDD).make_parameters(3);
     net.where[0xDD] = {};
     net.learns = true;
@@ -386,7 +386,7 @@ TEST_F(Jobs, ask_a_device_that_was_not_heard_before_anything_else) {
     EXPECT_NE(net.sent[1], net.sent.front()) << "both wait for the same answer";
 }
 
-TEST_F(Jobs, take_an_acknowledgement_from_a_port_of_the_device_for_its_own) {
+TEST_F(Jobs, accept_an_acknowledgement_from_a_port_of_the_device) {
     net.fakes[0]->instead = [&](ano::FrameView f) -> std::optional<std::vector<Bytes>> {
         if (f.id() != 0xE0 || f.data()[0] != 0x10) return std::nullopt;
         return std::vector<Bytes>{frame(0x05, 0xFE, 0x00, {f.id(), f.checks().sum, f.checks().add})};
@@ -405,7 +405,7 @@ TEST_F(Jobs, take_an_acknowledgement_from_a_port_of_the_device_for_its_own) {
     EXPECT_TRUE(lists_the_port()) << "now it is";
 }
 
-TEST_F(Jobs, are_not_refused_for_what_another_host_writes_and_say_who_writes) {
+TEST_F(Jobs, are_not_refused_when_another_host_writes_and_name_that_host) {
     fake.commands = {{{1, 0, 1}, {}, "LOCK", ""}};
     net.ask("GET", "/devices/0xDC/parameters");
     const std::string conflict = "0xD2 also writes to 0xDC";
@@ -427,7 +427,7 @@ TEST_F(Jobs, are_not_refused_for_what_another_host_writes_and_say_who_writes) {
     }
 }
 
-TEST_F(Jobs, say_who_else_writes_while_they_are_under_way) {
+TEST_F(Jobs, name_other_writers_while_they_run) {
     const auto begun = net.ask("POST", "/devices/0xDC/calibration", R"({"what": "accelerometer"})");
     ASSERT_EQ(begun.status, 202u) << begun.json;
     net.pass(1s);
@@ -437,13 +437,13 @@ TEST_F(Jobs, say_who_else_writes_while_they_are_under_way) {
     EXPECT_EQ(net.ask("GET", "/jobs/1").json.at("state"), "running");
 }
 
-TEST_F(Jobs, that_waited_through_a_standstill_are_refused) {
+TEST_F(Jobs, that_waited_through_a_stall_are_refused) {
     net.stood_still = true;
     EXPECT_EQ(net.ask("PUT", "/devices/0xDC/parameters/PAR_0", R"({"value": 1})").status, 503u);
     EXPECT_EQ(net.ask("GET", "/devices/0xDC/parameters").status, 200u);
 }
 
-TEST_F(Jobs, cost_nothing_behind_the_last) {
+TEST_F(Jobs, stop_listening_some_time_after_the_last_one) {
     EXPECT_FALSE(net.listens);
     net.ask("GET", "/devices/0xDC/parameters");
     EXPECT_TRUE(net.listens);
@@ -451,7 +451,7 @@ TEST_F(Jobs, cost_nothing_behind_the_last) {
     EXPECT_FALSE(net.listens);
 }
 
-TEST_F(Jobs, end_with_the_gateway) {
+TEST_F(Jobs, end_when_the_gateway_stops) {
     const auto asked = net.asked("GET", "/devices/0xDC/parameters");
     net.pass(20ms);
     net.service.stop(net.time);
@@ -461,7 +461,7 @@ TEST_F(Jobs, end_with_the_gateway) {
     EXPECT_EQ(net.ask("GET", "/devices/0xDC/parameters").status, 503u);
 }
 
-TEST_F(Jobs, that_the_gateway_ends_say_what_is_half_done) {
+TEST_F(Jobs, that_the_gateway_ends_report_unfinished_work) {
     fake.instead = [](ano::FrameView f) { return f.id() == 0xE1 ? std::optional{std::vector<Bytes>{}} : std::nullopt; };
     auto lines = net.lines("PUT", "/devices/0xDC/parameters/PAR_0", R"({"value": 1})");
     const auto writes = [&] {
@@ -477,7 +477,7 @@ TEST_F(Jobs, that_the_gateway_ends_say_what_is_half_done) {
     EXPECT_EQ(last.at("error"), "the gateway is stopping: PAR_0 may have been written");
 }
 
-TEST_F(Jobs, that_had_done_their_work_as_the_gateway_ends_are_done) {
+TEST_F(Jobs, that_were_not_started_when_the_gateway_stops_report_this) {
     auto lines = net.lines("PUT", "/devices/0xDC/parameters/PAR_0", R"({"value": 1})");
     net.service.stop(net.time);
     std::string text;
@@ -500,7 +500,7 @@ struct Socket final : anogate::http::WebSocket {
     void give_up() noexcept override { closed = 0; }
 };
 
-TEST_F(Jobs, are_told_by_messages_to_who_wants_a_web_socket) {
+TEST_F(Jobs, are_reported_by_messages_on_a_web_socket) {
     fake.make_parameters(200);
     net.asked("GET", "/devices/0xDC/parameters");
     auto request = SimulatedNet::request("GET", "/jobs/1");
@@ -529,7 +529,7 @@ TEST_F(Jobs, are_told_by_messages_to_who_wants_a_web_socket) {
     EXPECT_EQ(socket.closed, 1000);
 }
 
-TEST_F(Jobs, devices_are_listed_with_what_is_known) {
+TEST_F(Jobs, devices_are_listed_with_their_known_data) {
     json devices = net.ask("GET", "/devices").json.at("devices");
     ASSERT_EQ(devices.size(), 1u);
     EXPECT_EQ(devices[0], json::parse(R"({"address": "0xDC", "link": "fc", "peer": "/dev/fake", "age": 0.2})"));
@@ -541,7 +541,7 @@ TEST_F(Jobs, devices_are_listed_with_what_is_known) {
     EXPECT_EQ(net.ask("GET", "/devices").json.at("devices")[0].at("job"), 2);
 }
 
-TEST_F(Jobs, devices_that_passed_are_listed_and_hosts_are_not) {
+TEST_F(Jobs, devices_whose_frames_passed_are_listed_but_not_hosts) {
     net.ask("GET", "/devices");
     net.passes(frame(0x30, 0xFF, 0x01, Bytes(13)));
     net.passes(frame(0xFE, 0xFF, 0xE0, {0, 0, 0}));
@@ -558,13 +558,13 @@ TEST_F(Jobs, devices_that_passed_are_listed_and_hosts_are_not) {
     EXPECT_EQ(net.ask("GET", "/devices").json.at("devices").size(), 1u);
 }
 
-TEST_F(Jobs, a_device_can_not_take_the_address_of_another_by_its_name) {
+TEST_F(Jobs, a_device_cannot_claim_the_address_of_another_by_its_name) {
     net.add(0x30).name = "0xDC";
     net.ask("POST", "/devices/scan");
     EXPECT_EQ(net.ask("GET", "/devices/0xDC/commands").json.at("device").at("address"), "0xDC");
 }
 
-TEST_F(Jobs, that_read_forever_changing_devices_end) {
+TEST_F(Jobs, that_read_a_constantly_changing_device_end) {
     std::uint16_t count = 3;
     fake.instead = [&](ano::FrameView f) -> std::optional<std::vector<Bytes>> {
         if (f.id() == 0xE0 && f.data()[0] == 1) fake.says_count = count++ % 15;
@@ -574,7 +574,7 @@ TEST_F(Jobs, that_read_forever_changing_devices_end) {
 }
 
 // Two devices whose own addresses are port ids send equal answers: only their source distinguishes them.
-TEST(DevicesAtPortIds, read_at_once_are_not_taken_for_each_other) {
+TEST(DevicesAtPortIds, read_at_the_same_time_are_not_confused) {
     SimulatedNet net;
     for (const std::uint8_t address : {std::uint8_t{10}, std::uint8_t{20}}) {
         FakeDevice& fake = net.add(address);
@@ -603,7 +603,7 @@ struct BehindAPort : testing::Test {
     }
 };
 
-TEST_F(BehindAPort, who_answers_by_its_own_address_is_heard) {
+TEST_F(BehindAPort, a_device_that_answers_with_its_address_is_accepted) {
     net.ways.emplace(3, 0xDC);
     const auto at_port = net.asked("GET", "/devices/3/parameters");
     const auto at_address = net.asked("GET", "/devices/0xDC/parameters");
@@ -612,7 +612,7 @@ TEST_F(BehindAPort, who_answers_by_its_own_address_is_heard) {
     EXPECT_EQ((*at_address)->status, 200u) << (*at_address)->json;
 }
 
-TEST_F(BehindAPort, who_answers_is_heard_though_another_port_is_asked_and_silent) {
+TEST_F(BehindAPort, a_device_that_answers_is_accepted_while_another_port_is_silent) {
     net.ways.emplace(3, 0xDC);
     net.where[2] = {.is_known = true};
     const auto silent = net.asked("GET", "/devices/2/parameters");
@@ -621,7 +621,7 @@ TEST_F(BehindAPort, who_answers_is_heard_though_another_port_is_asked_and_silent
     EXPECT_EQ((*silent)->status, 504u);
 }
 
-TEST_F(BehindAPort, who_comes_another_way_is_not) { EXPECT_EQ(net.ask("GET", "/devices/3/parameters").status, 504u); }
+TEST_F(BehindAPort, a_device_on_another_path_is_not_accepted) { EXPECT_EQ(net.ask("GET", "/devices/3/parameters").status, 504u); }
 
 }    // namespace
 }    // namespace jobs_tests

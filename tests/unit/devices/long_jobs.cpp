@@ -52,7 +52,7 @@ TEST_F(LongJobs, an_upgrade_writes_the_whole_file) {
     EXPECT_EQ(loader.flash, Bytes(10'000, 0x01));
 }
 
-TEST_F(LongJobs, an_upgrade_that_is_refused_says_so) {
+TEST_F(LongJobs, a_refused_upgrade_fails_with_its_cause) {
     load();
     loader.refuses = true;
     net.ask("POST", "/devices/0xDC/firmware", std::string(1000, '\x01'));
@@ -66,7 +66,7 @@ TEST_F(LongJobs, an_upgrade_that_is_refused_says_so) {
     EXPECT_EQ(net.ask("POST", "/devices/0xDC/firmware?crc=crc99", "\x01").status, 400u);
 }
 
-TEST_F(LongJobs, an_upgrade_goes_on_after_a_lost_connection_and_says_so_meanwhile) {
+TEST_F(LongJobs, an_upgrade_continues_after_a_lost_connection_and_reports_the_wait) {
     for (const bool loses_power : {false, true}) {
         loader = {};
         bool is_cut = false;
@@ -87,7 +87,7 @@ TEST_F(LongJobs, an_upgrade_goes_on_after_a_lost_connection_and_says_so_meanwhil
     }
 }
 
-TEST_F(LongJobs, an_upgrade_that_is_cancelled_says_what_is_half_done) {
+TEST_F(LongJobs, a_cancelled_upgrade_reports_that_the_device_is_left_in_its_boot_loader) {
     load();
     net.ask("POST", "/devices/0xDC/firmware", std::string(100'000, '\x01'));
     ASSERT_TRUE(net.until([&] { return loader.frames > 10; }));
@@ -96,7 +96,7 @@ TEST_F(LongJobs, an_upgrade_that_is_cancelled_says_what_is_half_done) {
     EXPECT_NE(over.at("error").get<std::string>().find("loader"), std::string::npos) << over;
 }
 
-TEST_F(LongJobs, a_device_that_is_left_in_its_loader_is_known_behind_a_restart) {
+TEST_F(LongJobs, a_device_left_in_its_boot_loader_is_still_known_after_a_restart) {
     load();
     net.ask("GET", "/devices/0xDC/parameters");
     net.ask("POST", "/devices/0xDC/firmware", std::string(100'000, '\x01'));
@@ -138,7 +138,7 @@ TEST_F(LongJobs, a_device_that_is_left_in_its_loader_is_known_behind_a_restart) 
     EXPECT_FALSE(again.ask("GET", "/devices").json.at("devices")[0].contains("in_loader"));
 }
 
-TEST_F(LongJobs, one_for_which_there_is_no_place_may_be_asked_for_again) {
+TEST_F(LongJobs, a_job_beyond_the_limit_is_rejected_with_a_retry_time) {
     net.add(0xDD);
     net.add(0xDE);
     const auto ask = [&](const std::string& device) {
@@ -206,7 +206,7 @@ struct Calibrates : LongJobs {
     Bytes before, cleared = Bytes(4);    // of the first parameter
 };
 
-TEST_F(Calibrates, when_it_was_told_to_go_on_and_lay_on_every_face) {
+TEST_F(Calibrates, after_it_is_continued_and_the_device_lay_on_every_face) {
     EXPECT_EQ(net.ask("POST", "/devices/0xDC/calibration", R"({"what": "accelerometer"})").status, 202u);
     ASSERT_TRUE(net.until([&] { return state() == "waiting"; }));
     EXPECT_EQ(net.kept.size(), 1u) << "the old values survive a crash";
@@ -237,7 +237,7 @@ TEST_F(Calibrates, when_it_was_told_to_go_on_and_lay_on_every_face) {
     EXPECT_TRUE(net.kept.empty());
 }
 
-TEST_F(Calibrates, and_puts_the_old_values_back_when_it_is_cancelled) {
+TEST_F(Calibrates, and_restores_the_old_values_when_cancelled) {
     net.ask("POST", "/devices/0xDC/calibration", R"({"what": "accelerometer"})");
     ASSERT_TRUE(net.until([&] { return state() == "waiting"; }));
     go_on();
@@ -270,7 +270,7 @@ TEST_F(Calibrates, again_from_the_beginning_when_the_device_restarts) {
     EXPECT_LT(over.at("result").at("verified").get<double>(), 10);
 }
 
-TEST_F(Calibrates, without_an_end_for_those_who_ask_who_is_there) {
+TEST_F(Calibrates, and_is_not_disturbed_by_scans_and_requests_of_other_hosts) {
     net.ask("POST", "/devices/0xDC/calibration", R"({"what": "accelerometer"})");
     ASSERT_TRUE(net.until([&] { return state() == "waiting"; }));
     go_on();
@@ -285,7 +285,7 @@ TEST_F(Calibrates, without_an_end_for_those_who_ask_who_is_there) {
     EXPECT_EQ(message().find("restarted"), std::string::npos) << message();
 }
 
-TEST_F(Calibrates, whose_device_dies_is_over_within_five_seconds_and_the_old_values_are_written_when_it_is_back) {
+TEST_F(Calibrates, and_fails_within_five_seconds_when_the_device_is_lost_and_restores_its_values_later) {
     net.ask("POST", "/devices/0xDC/calibration", R"({"what": "accelerometer"})");
     ASSERT_TRUE(net.until([&] { return state() == "waiting"; }));
     go_on();
@@ -308,7 +308,7 @@ TEST_F(Calibrates, whose_device_dies_is_over_within_five_seconds_and_the_old_val
     EXPECT_EQ(fake.parameters[0].value, before);
 }
 
-TEST_F(Calibrates, nothing_when_the_old_values_can_not_be_kept) {
+TEST_F(Calibrates, nothing_when_the_old_values_cannot_be_stored) {
     net.keep_fault = "the disk is full";
     net.ask("POST", "/devices/0xDC/calibration", R"({"what": "accelerometer"})");
     const json over = until_over(1);
@@ -317,7 +317,7 @@ TEST_F(Calibrates, nothing_when_the_old_values_can_not_be_kept) {
     EXPECT_EQ(fake.parameters[0].value, before);
 }
 
-TEST_F(Calibrates, nothing_when_nobody_says_go_on) {
+TEST_F(Calibrates, nothing_when_not_continued_within_10_minutes) {
     net.ask("POST", "/devices/0xDC/calibration", R"({"what": "accelerometer"})");
     const json over = until_over(1);
     EXPECT_EQ(over.at("error"), "not continued within 10 minutes; nothing was changed");
@@ -325,7 +325,7 @@ TEST_F(Calibrates, nothing_when_nobody_says_go_on) {
     EXPECT_TRUE(net.kept.empty());
 }
 
-TEST_F(Calibrates, and_does_not_write_to_who_took_off_meanwhile) {
+TEST_F(Calibrates, without_writing_to_a_device_that_took_off_meanwhile) {
     net.ask("POST", "/devices/0xDC/calibration", R"({"what": "accelerometer"})");
     ASSERT_TRUE(net.until([&] { return state() == "waiting"; }));
     go_on();
@@ -364,7 +364,7 @@ struct CutOff : Calibrates {
     SimulatedNet again;
 };
 
-TEST_F(CutOff, its_last_line_says_where_the_old_values_are) {
+TEST_F(CutOff, its_last_line_names_the_file_with_the_old_values) {
     EXPECT_EQ(last.at("state"), "cancelled");
     EXPECT_EQ(last.at("error"), "the gateway is stopping: the old values are saved as " + net.kept.begin()->first +
                                     " and are written back at the next start");
@@ -394,13 +394,13 @@ struct CutOffWithoutNumbers : CutOff {
     CutOffWithoutNumbers() : CutOff{{0x01, 0x00, 0x80, 0x7F}} {}    // a signalling NaN
 };
 
-TEST_F(CutOffWithoutNumbers, they_are_written_back_bit_by_bit) {
+TEST_F(CutOffWithoutNumbers, values_are_restored_bit_for_bit) {
     start();
     ASSERT_TRUE(again.until([&] { return again.kept.empty(); }, 1min));
     EXPECT_EQ(value(), before);
 }
 
-TEST_F(CutOffWithoutNumbers, a_note_without_their_bytes_is_read_as_well) {
+TEST_F(CutOffWithoutNumbers, a_note_without_the_bytes_of_the_values_is_also_read) {
     json note = json::parse(net.kept.begin()->second);
     EXPECT_EQ(note.erase("bytes"), 1u);
     EXPECT_EQ(note.at("parameters").at("CAL_AOFF_X"), "nan");
@@ -415,7 +415,7 @@ TEST_F(CutOffWithoutNumbers, a_note_without_their_bytes_is_read_as_well) {
     EXPECT_EQ(stored(2), 0.1f);
 }
 
-TEST_F(CutOff, not_in_the_air_and_not_to_another_device) {
+TEST_F(CutOff, the_old_values_are_not_written_to_a_flying_or_different_device) {
     start();
     again.fakes[0]->name = "another";
     again.pass(150s);
@@ -461,7 +461,7 @@ TEST_F(CutOff, the_old_values_are_written_to_no_other_unit_with_this_address) {
     EXPECT_TRUE(again.kept.empty());
 }
 
-TEST_F(CutOff, a_calibration_of_another_unit_with_this_address_keeps_its_own_values) {
+TEST_F(CutOff, a_calibration_of_another_unit_with_this_address_restores_the_values_of_that_unit) {
     again.unit.link = "radio";
     start();
     const auto answer = again.ask("POST", "/devices/0xDC/calibration", R"({"what": "accelerometer"})");
@@ -477,7 +477,7 @@ TEST_F(CutOff, a_calibration_of_another_unit_with_this_address_keeps_its_own_val
     EXPECT_EQ(again.kept, net.kept) << "the other's stays";
 }
 
-TEST_F(CutOff, a_note_that_does_not_say_of_which_gateway_it_is_is_left_alone) {
+TEST_F(CutOff, a_note_that_does_not_name_its_gateway_is_not_used) {
     json note = json::parse(net.kept.begin()->second);
     note.erase("gateway");
     again.kept = {{"calibration-0xDC-accelerometer.json", note.dump()}};
@@ -489,7 +489,7 @@ TEST_F(CutOff, a_note_that_does_not_say_of_which_gateway_it_is_is_left_alone) {
               "calibration-0xDC-accelerometer.json is not used: it is of an older version without the gateway and link");
 }
 
-TEST_F(CutOff, the_note_stays_until_the_device_has_read_as_written) {
+TEST_F(CutOff, the_note_stays_until_the_device_returns_the_values_as_written) {
     start();
     again.fakes[0]->parameters[0].store = [](Bytes) { return Bytes(4); };    // it stores nothing
     again.pass(70s);
@@ -501,7 +501,7 @@ TEST_F(CutOff, the_note_stays_until_the_device_has_read_as_written) {
     EXPECT_TRUE(again.kept.empty());
 }
 
-TEST_F(CutOff, notes_that_can_not_be_used_are_tried_once_a_minute) {
+TEST_F(CutOff, notes_that_cannot_be_used_are_retried_once_a_minute) {
     again.fakes[0]->name = "another";
     start();
     again.pass(150s);
@@ -511,7 +511,7 @@ TEST_F(CutOff, notes_that_can_not_be_used_are_tried_once_a_minute) {
     EXPECT_EQ(value(), Bytes(4));
 }
 
-TEST_F(CutOff, a_damaged_note_begins_no_job_and_keeps_nobody_out) {
+TEST_F(CutOff, a_damaged_note_starts_no_job_and_blocks_no_writes) {
     const json whole = json::parse(net.kept.begin()->second);
     json of_nobody = whole, without_one = whole, too_large = whole;
     of_nobody.erase("device");
@@ -528,7 +528,7 @@ TEST_F(CutOff, a_damaged_note_begins_no_job_and_keeps_nobody_out) {
     EXPECT_TRUE(again.service.remember("calibration-0xDC-accelerometer.json", whole.dump()));
 }
 
-TEST_F(CutOff, a_calibration_before_that_puts_back_what_was_before_the_first) {
+TEST_F(CutOff, a_new_calibration_before_the_restore_restores_the_values_from_before_the_first) {
     EXPECT_TRUE(again.service.remember(net.kept.begin()->first, net.kept.begin()->second));
     const auto answer = again.ask("POST", "/devices/0xDC/calibration", R"({"what": "accelerometer"})");
     ASSERT_EQ(answer.status, 202u) << answer.json;
@@ -543,7 +543,7 @@ TEST_F(CutOff, a_calibration_before_that_puts_back_what_was_before_the_first) {
 }
 
 // It was calibrated by another program meanwhile, or is a spare unit of the same type.
-TEST_F(CutOff, a_device_with_other_values_by_now_keeps_them) {
+TEST_F(CutOff, a_device_whose_values_have_changed_since_keeps_them) {
     const std::string name = net.kept.begin()->first;
     start();
     auto& parameters = again.fakes[0]->parameters;
@@ -569,7 +569,7 @@ TEST_F(CutOff, a_device_with_other_values_by_now_keeps_them) {
     EXPECT_EQ(again.ask("GET", "/jobs").json.at("jobs").size(), 1u);
 }
 
-TEST_F(CutOff, a_calibration_of_a_device_with_other_values_by_now_keeps_those) {
+TEST_F(CutOff, a_calibration_of_a_device_whose_values_have_changed_since_keeps_the_changed_ones) {
     EXPECT_TRUE(again.service.remember(net.kept.begin()->first, net.kept.begin()->second));
     const Bytes own{0, 0, 0x80, 0x41};
     again.fakes[0]->parameters[2].value = own;
@@ -589,7 +589,7 @@ TEST_F(CutOff, a_calibration_of_a_device_with_other_values_by_now_keeps_those) {
 }
 
 // Interrupted while the new values were written: the device has some of them.
-TEST_F(Calibrates, whose_device_dies_in_the_writing_has_its_old_values_back) {
+TEST_F(Calibrates, and_restores_the_old_values_of_a_device_that_was_lost_while_new_ones_were_written) {
     net.ask("POST", "/devices/0xDC/calibration", R"({"what": "accelerometer"})");
     ASSERT_TRUE(net.until([&] { return state() == "waiting"; }));
     std::vector<Bytes> old;
@@ -674,7 +674,7 @@ TEST_F(CutOffOfTwoSensors, are_not_written_where_the_other_sensor_was_never_cali
     }
 }
 
-TEST_F(CutOffOfTwoSensors, are_written_where_one_of_its_values_tells_it_from_a_spare_unit) {
+TEST_F(CutOffOfTwoSensors, are_written_if_one_value_distinguishes_the_device_from_a_spare_unit) {
     remember(0, true);
     make_neutral(*again.fakes[0], 0, 15);
     const json note = json::parse(again.kept.begin()->second);
@@ -683,7 +683,7 @@ TEST_F(CutOffOfTwoSensors, are_written_where_one_of_its_values_tells_it_from_a_s
     EXPECT_EQ(value(), before);
 }
 
-TEST_F(CutOffOfTwoSensors, are_not_those_to_which_a_calibration_of_such_a_unit_goes_back) {
+TEST_F(CutOffOfTwoSensors, are_not_restored_by_a_calibration_of_a_unit_whose_other_sensor_was_never_calibrated) {
     remember(0, true);
     make_neutral(*again.fakes[0], 0, 15);
     const auto answer = again.ask("POST", "/devices/0xDC/calibration", R"({"what": "accelerometer"})");
@@ -699,7 +699,7 @@ TEST_F(CutOffOfTwoSensors, are_not_those_to_which_a_calibration_of_such_a_unit_g
     EXPECT_EQ(value(), Bytes(4));
 }
 
-TEST_F(Calibrates, whose_device_is_told_from_no_other_says_how_to_write_its_values_back) {
+TEST_F(Calibrates, and_reports_how_to_restore_the_values_of_a_device_not_distinguishable_from_others) {
     for (std::size_t i = 15; i < 21; ++i) ano::store(fake.parameters[i].value.data(), i < 18 ? 0.0f : 1.0f);
     net.ask("POST", "/devices/0xDC/calibration", R"({"what": "accelerometer"})");
     ASSERT_TRUE(net.until([&] { return state() == "waiting"; }));
@@ -721,7 +721,7 @@ TEST_F(Calibrates, whose_device_is_told_from_no_other_says_how_to_write_its_valu
     EXPECT_EQ(fake.parameters[0].value, cleared);
 }
 
-TEST_F(CutOff, to_import_them_is_as_good) {
+TEST_F(CutOff, importing_all_old_values_removes_the_note) {
     start();
     again.pass(10ms);
     again.passes(frame(0xDC, 0xFF, 0x06, {1, 2, 0, 0, 0}));
@@ -736,7 +736,7 @@ TEST_F(CutOff, to_import_them_is_as_good) {
     EXPECT_TRUE(again.kept.empty());
 }
 
-TEST_F(CutOff, a_damaged_file_is_in_nobodys_way) {
+TEST_F(CutOff, a_damaged_file_does_not_prevent_a_calibration) {
     again.kept.begin()->second = "{}";
     EXPECT_FALSE(again.service.remember("calibration-0xDC-accelerometer.json", "{\"parameters\": []}"));
     again.pass(150s);
@@ -748,7 +748,7 @@ TEST_F(CutOff, a_damaged_file_is_in_nobodys_way) {
     EXPECT_TRUE(json::parse(again.kept.begin()->second).at("parameters").is_object()) << "it has those of now";
 }
 
-TEST_F(Calibrates, nothing_when_it_took_off_while_it_waited) {
+TEST_F(Calibrates, nothing_when_the_device_took_off_while_the_job_waited) {
     net.ask("POST", "/devices/0xDC/calibration", R"({"what": "accelerometer"})");
     ASSERT_TRUE(net.until([&] { return state() == "waiting"; }));
     net.passes(frame(0xDC, 0xFF, 0x06, {1, 2, 0, 0, 0}));
@@ -762,7 +762,7 @@ TEST_F(Calibrates, nothing_when_it_took_off_while_it_waited) {
 }
 
 // A loader may not report its identity: then gateway, link and address identify it.
-TEST_F(LongJobs, a_note_of_a_loader_is_of_one_unit) {
+TEST_F(LongJobs, a_boot_loader_note_applies_to_one_unit_only) {
     load();
     net.ask("GET", "/devices/0xDC/parameters");
     net.ask("POST", "/devices/0xDC/firmware", std::string(100'000, '\x01'));
@@ -787,7 +787,7 @@ TEST_F(LongJobs, a_note_of_a_loader_is_of_one_unit) {
     EXPECT_FALSE(in_loader(older.dump(), net.unit));
 }
 
-TEST(Notes, that_are_damaged_say_what_it_means_and_are_not_used) {
+TEST(Notes, that_are_damaged_are_not_used_and_the_consequence_is_reported) {
     const std::string whole = R"({"gateway": "g", "link": "l", "wire": "w", "device": {"address": "0xDC"}, "type7": "u64"})";
     for (const char* const name : {"firmware-0xDC-12ab34cd.json", "firmware-0xDC.json"}) {
         EXPECT_EQ(anogate::damage_of_note(name, whole), "");
@@ -802,7 +802,7 @@ TEST(Notes, that_are_damaged_say_what_it_means_and_are_not_used) {
     EXPECT_NE(anogate::damage_of_note("type7-0xDC.json", R"({"device": {"address": "0xDC"}, "type7": "u16"})"), "");
 }
 
-TEST(Notes, are_files_of_exactly_their_names) {
+TEST(Notes, are_only_files_with_exact_note_names) {
     for (const char* name :
          {"calibration-0xDC-accelerometer.json", "calibration-0x01-compass.json", "firmware-0xDC.json",
           "calibration-0xDC-12ab34cd-compass.json", "firmware-0xDC-12ab34cd.json", "type7-0x01-00000000.json", "type7-0xDC.json"})
@@ -814,7 +814,7 @@ TEST(Notes, are_files_of_exactly_their_names) {
         EXPECT_FALSE(anogate::is_note(name)) << name;
 }
 
-TEST_F(Calibrates, only_what_there_is_to_calibrate) {
+TEST_F(Calibrates, only_sensors_that_the_device_has) {
     EXPECT_EQ(net.ask("POST", "/devices/0xDC/calibration", R"({"what": "barometer"})").status, 400u);
     EXPECT_EQ(net.ask("POST", "/devices/0xDC/calibration", "{}").status, 400u);
     fake.parameters.resize(15);

@@ -40,7 +40,7 @@ TEST_F(ParameterRoutes, all_are_read_with_their_values) {
     EXPECT_EQ(all.at("parameters")[3].at("value"), "9007199254740993") << "beyond 2^53";
 }
 
-TEST_F(ParameterRoutes, one_of_a_device_that_has_fewer_meanwhile_is_told_as_gone) {
+TEST_F(ParameterRoutes, a_parameter_that_was_removed_meanwhile_is_reported_as_unknown) {
     int asked = 0;
     fake.instead = [&](ano::FrameView f) -> std::optional<std::vector<Bytes>> {
         if (f.id() == 0xE0 && f.data()[0] == 1) fake.says_count = static_cast<std::uint16_t>(++asked <= 1 ? 5 : 1);
@@ -56,7 +56,7 @@ TEST_F(ParameterRoutes, without_values_only_descriptions_are_read) {
     EXPECT_EQ(all.at("parameters")[0], json::parse(R"({"id": 0, "name": "U8", "type": "u8", "text": "a byte"})"));
 }
 
-TEST_F(ParameterRoutes, a_device_is_called_by_its_own_name_as_well) {
+TEST_F(ParameterRoutes, a_device_is_also_found_by_its_name) {
     EXPECT_EQ(net.ask("GET", "/devices/fake/parameters").status, 404u) << "nobody has asked for it yet";
     net.ask("GET", "/devices/0xDC/parameters");
     EXPECT_EQ(net.ask("GET", "/devices/fake/parameters").status, 200u);
@@ -65,7 +65,7 @@ TEST_F(ParameterRoutes, a_device_is_called_by_its_own_name_as_well) {
     EXPECT_EQ(net.ask("GET", "/devices/fake/parameters").status, 409u) << "two are called so";
 }
 
-TEST_F(ParameterRoutes, what_did_not_come_is_told_as_missing) {
+TEST_F(ParameterRoutes, a_parameter_that_was_not_received_is_reported_as_missing) {
     fake.instead = [](ano::FrameView f) -> std::optional<std::vector<Bytes>> {
         if (f.id() == 0xE0 && f.data()[0] == 2 && f.data()[1] == 3) return std::vector<Bytes>{};
         return std::nullopt;
@@ -76,7 +76,7 @@ TEST_F(ParameterRoutes, what_did_not_come_is_told_as_missing) {
     EXPECT_EQ(all.at("parameters")[3], json::parse(R"({"id": 3, "name": "BIG", "type": "u64", "missing": true})"));
 }
 
-TEST_F(ParameterRoutes, a_value_that_is_longer_than_its_type_is_none) {
+TEST_F(ParameterRoutes, a_value_longer_than_its_type_is_reported_as_unreadable) {
     fake.parameters[0].value = {0x2A, 0xC0, 0x81, 0x00};
     const auto [status, all] = net.ask("GET", "/devices/0xDC/parameters");
     EXPECT_EQ(status, 200u);
@@ -93,7 +93,7 @@ TEST_F(ParameterRoutes, one_is_read_by_name_or_number) {
     EXPECT_EQ(net.ask("GET", "/devices/0xDC/parameters/5").status, 404u) << "an id at the count is never sent";
 }
 
-TEST_F(ParameterRoutes, a_name_that_several_have_is_ambiguous_and_their_numbers_are_told) {
+TEST_F(ParameterRoutes, a_name_shared_by_several_is_ambiguous_and_the_error_lists_their_numbers) {
     fake.parameters.push_back({0, "U8", "another", {9}});
     const json wrong = json::parse(
         R"({"error": "several parameters have the name 'U8': use the number, 0, 5", "what": "ambiguous"})");
@@ -109,7 +109,7 @@ TEST_F(ParameterRoutes, a_name_that_several_have_is_ambiguous_and_their_numbers_
 }
 
 // As in a file of another device. If each had a row in the answer, the gateway would stall for a second.
-TEST_F(ParameterRoutes, of_thousands_of_names_that_it_lacks_the_first_are_told_and_the_others_counted) {
+TEST_F(ParameterRoutes, an_error_about_thousands_of_unknown_names_lists_the_first_and_counts_the_others) {
     json values;
     values["U8"] = 8;
     for (int i = 0; i < 5000; ++i) values["k" + std::to_string(i)] = 0;
@@ -125,7 +125,7 @@ TEST_F(ParameterRoutes, of_thousands_of_names_that_it_lacks_the_first_are_told_a
 }
 
 // A file has "NAME#NUMBER" where the name alone is ambiguous.
-TEST_F(ParameterRoutes, those_that_no_name_tells_apart_are_applied_by_name_and_number) {
+TEST_F(ParameterRoutes, parameters_with_ambiguous_names_are_applied_by_name_and_number) {
     fake.parameters.push_back({0, "U8", "another", {9}});
     fake.parameters.push_back({0, "", "", {1}});
     fake.parameters.push_back({0, "", "", {2}});
@@ -150,7 +150,7 @@ TEST_F(ParameterRoutes, those_that_no_name_tells_apart_are_applied_by_name_and_n
 }
 
 // A file of an older version has a '?' in place of characters that control or reorder a text; a new one has the name itself.
-TEST_F(ParameterRoutes, those_whose_names_have_controls_are_found_by_their_names_in_files_of_any_version) {
+TEST_F(ParameterRoutes, parameters_with_control_characters_in_their_names_are_found_in_files_of_any_version) {
     fake.parameters.push_back({0, "P\xE2\x80\xAEX", "", {1}});
     fake.parameters.push_back({0, "\xE2\x80\x8BY\x01", "", {2}});
     fake.parameters.push_back({0, "P\xE2\x80\xADX", "", {3}});
@@ -165,7 +165,7 @@ TEST_F(ParameterRoutes, those_whose_names_have_controls_are_found_by_their_names
         EXPECT_NE(net.ask("POST", "/devices/0xDC/apply", std::string{R"({"parameters": )"} + value + "}").status, 200u) << value;
 }
 
-TEST_F(ParameterRoutes, a_write_says_what_was_stored) {
+TEST_F(ParameterRoutes, a_write_returns_the_stored_value) {
     EXPECT_EQ(
         net.ask("PUT", "/devices/0xDC/parameters/I16", R"({"value": -300})").json,
         json::parse(
@@ -176,7 +176,7 @@ TEST_F(ParameterRoutes, a_write_says_what_was_stored) {
     EXPECT_EQ(fake.parameters[3].value[0], 3);
 }
 
-TEST_F(ParameterRoutes, a_write_that_the_device_did_not_acknowledge_says_so) {
+TEST_F(ParameterRoutes, a_write_reports_that_the_device_did_not_acknowledge_it) {
     fake.instead = [&](ano::FrameView f) -> std::optional<std::vector<Bytes>> {
         if (f.id() != 0xE1) return std::nullopt;
         fake.usual(f);
@@ -188,7 +188,7 @@ TEST_F(ParameterRoutes, a_write_that_the_device_did_not_acknowledge_says_so) {
     EXPECT_EQ(written.at("acknowledged"), false);
 }
 
-TEST_F(ParameterRoutes, what_does_not_fit_is_never_written) {
+TEST_F(ParameterRoutes, a_value_that_does_not_fit_is_never_written) {
     for (const char* body : {R"({"value": 256})", R"({"value": 1.5})", R"({"value": "word"})"}) {
         const auto [status, error] = net.ask("PUT", "/devices/0xDC/parameters/U8", body);
         EXPECT_EQ(status, 422u) << body;
@@ -202,7 +202,7 @@ TEST_F(ParameterRoutes, what_does_not_fit_is_never_written) {
     EXPECT_EQ(fake.parameters[0].value, Bytes{7});
 }
 
-TEST_F(ParameterRoutes, a_device_that_keeps_its_value_refuses) {
+TEST_F(ParameterRoutes, a_write_fails_if_the_device_keeps_its_value) {
     fake.parameters[0].store = [](const Bytes&) { return Bytes{7}; };
     const auto [status, error] = net.ask("PUT", "/devices/0xDC/parameters/U8", R"({"value": 200})");
     EXPECT_EQ(status, 502u);
@@ -210,7 +210,7 @@ TEST_F(ParameterRoutes, a_device_that_keeps_its_value_refuses) {
     EXPECT_EQ(error.at("what"), "refused");
 }
 
-TEST_F(ParameterRoutes, silence_is_told_with_the_evidence) {
+TEST_F(ParameterRoutes, a_timeout_is_reported_with_the_number_of_requests_sent) {
     fake.deaf = true;
     const auto [status, error] = net.ask("GET", "/devices/0xDC/parameters");
     EXPECT_EQ(status, 504u);
@@ -219,7 +219,7 @@ TEST_F(ParameterRoutes, silence_is_told_with_the_evidence) {
     EXPECT_EQ(error.at("error"), "0xDC does not answer: device info, sent 30 times");
 }
 
-TEST_F(ParameterRoutes, apply_writes_what_differs_and_lists_each) {
+TEST_F(ParameterRoutes, apply_writes_differing_values_and_lists_each_value) {
     const json all = net.ask("POST", "/devices/0xDC/apply", R"({"U8": 7, "I16": 5, "TEXT": "new"})").json;
     EXPECT_EQ(all.at("parameters"), json::parse(R"([
         {"name": "U8", "was": 7, "written": 7, "stored": 7, "clamped": false, "state": "unchanged"},
@@ -227,7 +227,7 @@ TEST_F(ParameterRoutes, apply_writes_what_differs_and_lists_each) {
         {"name": "TEXT", "was": "abcd", "written": "new", "stored": "new", "clamped": false, "state": "written"}])"));
 }
 
-TEST_F(ParameterRoutes, a_dry_run_only_says_what_would_change) {
+TEST_F(ParameterRoutes, a_dry_run_only_lists_the_changes) {
     const json all = net.ask("POST", "/devices/0xDC/apply", R"({"parameters": {"U8": 8, "I16": 1}, "dry_run": true})").json;
     EXPECT_EQ(all.at("parameters"), json::parse(R"([{"name": "U8", "was": 7, "written": 8, "clamped": false, "state": "differs"},
         {"name": "I16", "was": 1, "written": 1, "clamped": false, "state": "unchanged"}])"));
@@ -245,7 +245,7 @@ TEST_F(ParameterRoutes, apply_undoes_all_when_one_fails) {
     EXPECT_EQ(fake.parameters[0].value, Bytes{7});
 }
 
-TEST_F(ParameterRoutes, apply_leaves_out_what_is_refused_and_writes_the_others) {
+TEST_F(ParameterRoutes, apply_skips_a_refused_value_and_writes_the_others) {
     fake.parameters[0].store = [](const Bytes&) { return Bytes{7}; };
     const auto [status, error] = net.ask("POST", "/devices/0xDC/apply", R"({"U8": 8, "I16": 5})");
     EXPECT_EQ(status, 502u);
@@ -255,7 +255,7 @@ TEST_F(ParameterRoutes, apply_leaves_out_what_is_refused_and_writes_the_others) 
     EXPECT_EQ(fake.parameters[4].value, (Bytes{5, 0}));
 }
 
-TEST_F(ParameterRoutes, nothing_is_applied_when_one_can_not_be) {
+TEST_F(ParameterRoutes, nothing_is_applied_when_one_value_is_invalid) {
     EXPECT_EQ(net.ask("POST", "/devices/0xDC/apply", R"({"U8": 8, "NONE": 5})").status, 422u);
     EXPECT_EQ(net.ask("POST", "/devices/0xDC/apply", R"({"U8": 8, "I16": 70000})").status, 422u);
     EXPECT_EQ(net.ask("POST", "/devices/0xDC/apply", R"({"U8": {}})").status, 422u);
@@ -342,7 +342,7 @@ TEST_F(KnownParameters, are_written_in_two_round_trips) {
     EXPECT_EQ(fake.parameters[25].value, Bytes{99});
 }
 
-TEST_F(KnownParameters, clamped_ones_are_written_in_three) {
+TEST_F(KnownParameters, are_written_in_three_round_trips_if_clamped) {
     fake.parameters[25].store = [](const Bytes&) { return Bytes{50}; };
     EXPECT_EQ(time([&] {
                   const json written = net.ask("PUT", "/devices/0xDC/parameters/PAR_20", R"({"value": 99})").json;
@@ -364,7 +364,7 @@ TEST_F(KnownParameters, five_are_written_within_four_seconds) {
     EXPECT_LT(7 * round_trip, 4s);
 }
 
-TEST_F(KnownParameters, of_a_device_that_has_fewer_now_are_read_again_and_nothing_is_written) {
+TEST_F(KnownParameters, of_a_device_that_has_fewer_now_are_read_again_before_the_write) {
     const auto old = std::exchange(fake.parameters, {{0, "OTHER", "", {7}}, {0, "PAR_20", "", {8}}});
     fake.instead = [&](ano::FrameView f) -> std::optional<std::vector<Bytes>> {    // does not crash, so that more frames are seen
         const bool asks_beyond = f.id() == 0xE0 && f.data()[0] >= 2 && f.data()[1] > 1;
@@ -413,7 +413,7 @@ TEST_F(KnownParameters, of_a_device_that_paused_and_has_them_in_another_order_ar
     EXPECT_EQ(get("").at("parameters")[25].at("name"), "PAR_31") << "the list as well";
 }
 
-TEST_F(KnownParameters, of_a_device_that_paused_and_has_another_type_take_nothing_of_the_old_one) {
+TEST_F(KnownParameters, of_a_device_that_paused_and_changed_a_type_reject_values_of_the_old_type) {
     const Bytes before = fake.parameters[13].value;    // PAR_8
     pause();
     fake.parameters[13].type = 5;    // i32, was f32
@@ -444,14 +444,14 @@ TEST_F(KnownParameters, of_a_device_of_another_version_are_read_again) {
     EXPECT_EQ(row.at("value"), 30);
 }
 
-TEST_F(KnownParameters, of_a_device_that_was_away_are_not_asked_before_it_told_their_number) {
+TEST_F(KnownParameters, of_a_device_that_was_silent_are_requested_only_after_it_reported_their_count) {
     net.pass(40s);
     fake.parameters.resize(5);
     EXPECT_EQ(net.ask("GET", "/devices/0xDC/parameters/PAR_20").status, 404u);
     EXPECT_EQ(net.ask("GET", "/devices/0xDC/parameters/I16").json.at("value"), 1);
 }
 
-TEST_F(KnownParameters, are_read_even_if_the_device_takes_one_question_at_a_time) {
+TEST_F(KnownParameters, are_read_even_if_the_device_handles_one_request_at_a_time) {
     TimePoint last{};
     fake.instead = [&](ano::FrameView) -> std::optional<std::vector<Bytes>> {
         const bool is_busy = net.time - last < 1ms;
@@ -482,7 +482,7 @@ TEST_F(KnownParameters, are_written_over_a_line_that_loses_a_tenth) {
     }
 }
 
-TEST_F(ParameterRoutes, at_a_loss_of_a_third_all_is_read) {
+TEST_F(ParameterRoutes, all_are_read_when_30_percent_of_the_frames_are_lost) {
     fake.make_parameters(100);
     net.line.loss = 0.3;
     EXPECT_EQ(net.ask("GET", "/devices/0xDC/parameters").json.at("parameters").size(), 105u);
@@ -528,7 +528,7 @@ struct KeptDescriptions : testing::Test {
     }
 };
 
-TEST_F(KeptDescriptions, spare_the_line_all_but_the_one_that_is_used) {
+TEST_F(KeptDescriptions, reduce_reading_to_the_one_description_that_is_used) {
     const Set known = set(), unknown = set([](SimulatedNet&net) { net.cache_folder.clear(); });
     EXPECT_EQ(known.status, 200u);
     EXPECT_EQ(known.stored, Bytes{5});
@@ -571,7 +571,7 @@ TEST_F(KeptDescriptions, that_are_wrong_are_read_again) {
 }
 
 // A written text uses the encoding shown by the names, even if they were not read again.
-TEST(KeptTexts, of_a_device_tell_its_encoding) {
+TEST(KeptTexts, of_a_device_show_its_encoding) {
     const auto make = [](SimulatedNet& net) {
         net.add().parameters = {{10, "NAME", "", {'a', 'b', 'c', 'd', 'e', 'f'}}, {0, "\xB8\xDF\xB6\xC8", "", {1}}};
         net.service.keep_descriptions();

@@ -43,7 +43,7 @@ struct Parties {
 };
 struct Rights : testing::Test, Parties {};
 
-TEST_F(Rights, twenty_two_viewers_that_read_refuse_no_command) {
+TEST_F(Rights, twenty_two_viewers_that_read_block_no_command) {
     const auto reading = viewers(22);
     for (int i = 0; i < 20; ++i) time_of_land();
     EXPECT_GT(std::count_if(reading.begin(), reading.end(), [](const auto& one) { return !one->has_value(); }), 0);
@@ -59,7 +59,7 @@ TEST_F(Rights, eight_viewers_that_read_delay_no_command) {
     EXPECT_LE(time_of_land(), without + without / 4) << "of those on their way before, the last answer is waited for";
 }
 
-TEST_F(Rights, viewers_go_on_behind_it) {
+TEST_F(Rights, viewers_continue_reading_after_a_command) {
     const auto reading = viewers(4);
     net.pass(100ms);
     time_of_land();
@@ -69,7 +69,7 @@ TEST_F(Rights, viewers_go_on_behind_it) {
 }
 
 // A lost question is equal to one for the command: it must be sent again, otherwise the command would wait for it for ever.
-TEST_F(Rights, a_lost_question_of_a_viewer_holds_nobody_up) {
+TEST_F(Rights, a_lost_request_of_a_viewer_does_not_block_a_command) {
     fake.deaf = true;
     const Asked reads = as(Access::view, "10.0.0.1", "GET", "/devices/0xDC/commands");
     net.pass(20ms);
@@ -81,7 +81,7 @@ TEST_F(Rights, a_lost_question_of_a_viewer_holds_nobody_up) {
     EXPECT_TRUE(net.until([&] { return reads->has_value(); }, 10s));
 }
 
-TEST_F(Rights, one_viewer_leaves_places_to_the_others) {
+TEST_F(Rights, one_viewer_cannot_use_up_the_quota_of_the_others) {
     fake.deaf = true;
     std::vector<Asked> greedy;
     for (int i = 0; i < 100; ++i)
@@ -91,7 +91,7 @@ TEST_F(Rights, one_viewer_leaves_places_to_the_others) {
     EXPECT_FALSE(other->has_value());
 }
 
-TEST_F(Rights, viewers_that_leave_their_jobs_behind_leave_places_too) {
+TEST_F(Rights, viewers_that_abandon_their_jobs_do_not_use_up_the_quota) {
     fake.deaf = true;
     for (int i = 0; i < 100; ++i) {
         as(Access::view, "10.0.0." + std::to_string(i), "GET", "/devices/0xDC/parameters/PAR_" + std::to_string(i));
@@ -102,7 +102,7 @@ TEST_F(Rights, viewers_that_leave_their_jobs_behind_leave_places_too) {
 }
 
 // Questions of a program before a command, such as the types of its values, have the same right as that command.
-TEST_F(Rights, readers_with_the_same_right_refuse_no_question_that_precedes_a_command) {
+TEST_F(Rights, readers_with_the_same_right_do_not_block_requests_that_precede_a_command) {
     for (const bool is_known : {true, false}) {
         Parties all;
         if (is_known) all.as(Access::control, "10.0.1.2", "GET", "/devices/0xDC/commands"), all.net.pass(1s);
@@ -126,7 +126,7 @@ TEST_F(Rights, readers_with_the_same_right_refuse_no_question_that_precedes_a_co
     }
 }
 
-TEST_F(Rights, a_viewer_has_no_more_places_by_saying_that_it_will_act) {
+TEST_F(Rights, viewers_get_no_larger_quota_by_adding_to_act) {
     fake.deaf = true;
     std::vector<Asked> all;
     for (int i = 0; i < 100; ++i)

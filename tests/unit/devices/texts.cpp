@@ -48,7 +48,7 @@ struct TextRoutes : testing::Test {
     }
 };
 
-TEST_F(TextRoutes, of_either_encoding_are_shown_in_utf8_without_a_character_that_is_cut) {
+TEST_F(TextRoutes, texts_of_either_encoding_are_shown_in_utf8_without_truncated_characters) {
     for (const bool is_gbk : {true, false}) {
         fake.version += 1;    // another device
         is_gbk ? make_gbk() : make_utf8();
@@ -70,7 +70,7 @@ TEST_F(TextRoutes, of_either_encoding_are_shown_in_utf8_without_a_character_that
     }
 }
 
-TEST_F(TextRoutes, a_comparison_goes_on_behind_a_text_that_the_encoding_lacks) {
+TEST_F(TextRoutes, a_dry_run_continues_after_a_text_that_the_encoding_cannot_represent) {
     make_gbk();
     const std::string given = R"({"parameters": {"备注": "é😀", "ASCII": 2}, "dry_run": )";
     const auto compared = net.ask("POST", "/devices/0xDC/apply", given + "true, \"longer\": true}");
@@ -88,7 +88,7 @@ TEST_F(TextRoutes, a_comparison_goes_on_behind_a_text_that_the_encoding_lacks) {
     EXPECT_EQ(writes(), 0u);
 }
 
-TEST_F(TextRoutes, names_find_parameters_commands_and_devices) {
+TEST_F(TextRoutes, parameters_commands_and_devices_are_found_by_name) {
     make_gbk();
     const auto set = net.ask("PUT", path("parameters", "横滚P"), R"({"value": 3})");
     EXPECT_EQ(set.status, 200u) << set.json;
@@ -120,7 +120,7 @@ TEST_F(TextRoutes, a_value_is_written_in_the_encoding_of_the_device_and_its_byte
     EXPECT_EQ(lacks.json.at("error"), "备注: the text can't be written in GBK");
 }
 
-TEST_F(TextRoutes, what_was_read_is_applied_without_a_difference) {
+TEST_F(TextRoutes, applying_values_that_were_read_changes_nothing) {
     for (const bool is_gbk : {true, false}) {
         fake.version += 1;
         is_gbk ? make_gbk() : make_utf8();
@@ -143,7 +143,7 @@ TEST_F(TextRoutes, what_was_read_is_applied_without_a_difference) {
 }
 
 // Such files have U+FFFD in place of each byte that is not UTF-8.
-TEST_F(TextRoutes, names_of_files_of_before_are_still_found) {
+TEST_F(TextRoutes, names_in_files_of_older_versions_are_still_found) {
     make_gbk();
     const std::string raw = gbk("横滚P");
     const std::string once = ano::to_utf8({reinterpret_cast<const std::uint8_t*>(raw.data()), raw.size()}, ano::Encoding::utf8);
@@ -153,7 +153,7 @@ TEST_F(TextRoutes, names_of_files_of_before_are_still_found) {
     EXPECT_EQ(fake.parameters[0].value, Bytes{5});
 }
 
-TEST_F(TextRoutes, the_key_of_the_link_decides) {
+TEST_F(TextRoutes, the_encoding_key_of_the_link_overrides_detection) {
     fake.parameters = {{0, gbk("模"), "", {1}}};    // another character if read as UTF-8
     EXPECT_EQ(parameter(0).at("name"), "模") << "what is probable";
     net.link_manners.encoding = ano::Encoding::utf8;
@@ -170,7 +170,7 @@ TEST_F(TextRoutes, the_key_of_the_link_decides) {
     EXPECT_EQ(net.reports, std::vector<std::string>{"0xDC: " + hint});
 }
 
-TEST_F(TextRoutes, one_text_that_is_not_utf8_decides_for_all) {
+TEST_F(TextRoutes, one_text_that_is_not_utf8_determines_the_encoding_of_all) {
     fake.parameters = {{0, gbk("模"), "", {1}}, {0, gbk("模拟"), "", {1}}};
     EXPECT_EQ(parameter(0).at("name"), "模");
     net.passes(frame(0xDC, 0xFE, 0xE3, {0xDC, 100, 0, 99, 0, 0, 0, 0x20, 3, 'n', 'e', 'w'}));    // another device

@@ -26,7 +26,7 @@ TEST_F(WaypointRoutes, are_written_and_read_back) {
     EXPECT_EQ(net.ask("GET", "/devices/0xDC/waypoints").json, json::parse(two));
 }
 
-TEST_F(WaypointRoutes, come_back_the_same_in_every_form_that_has_all) {
+TEST_F(WaypointRoutes, are_unchanged_after_a_round_trip_in_every_complete_format) {
     net.ask("PUT", "/devices/0xDC/waypoints", two);
     const json map = net.ask("GET", "/devices/0xDC/waypoints?format=geojson").json;
     EXPECT_EQ(map.at("type"), "FeatureCollection");
@@ -36,7 +36,7 @@ TEST_F(WaypointRoutes, come_back_the_same_in_every_form_that_has_all) {
     EXPECT_EQ(net.ask("GET", "/devices/0xDC/waypoints").json, json::parse(two));
 }
 
-TEST_F(WaypointRoutes, a_plan_has_place_speed_and_yaw) {
+TEST_F(WaypointRoutes, a_plan_contains_position_speed_and_yaw) {
     net.ask("PUT", "/devices/0xDC/waypoints", two);
     const json plan = net.ask("GET", "/devices/0xDC/waypoints?format=qgc").json;
     EXPECT_EQ(plan.at("fileType"), "Plan");
@@ -51,7 +51,7 @@ TEST_F(WaypointRoutes, a_plan_has_place_speed_and_yaw) {
     EXPECT_EQ(back.at("fun"), 0) << "a plan has no word for it";
 }
 
-TEST_F(WaypointRoutes, that_are_none_are_never_sent) {
+TEST_F(WaypointRoutes, that_are_invalid_are_never_sent) {
     const std::pair<const char*, const char*> wrong[]{
         {"", R"({})"},
         {"", R"({"waypoints": [{"lng": 1}]})"},
@@ -74,7 +74,7 @@ TEST_F(WaypointRoutes, that_are_none_are_never_sent) {
     EXPECT_TRUE(fake.waypoints.empty());
 }
 
-TEST_F(WaypointRoutes, are_refused_with_what_is_wrong_and_where) {
+TEST_F(WaypointRoutes, are_rejected_with_the_fault_and_its_location) {
     const auto fault = [](WaypointForm form, const char* text) {
         const auto read = anogate::waypoints_in(json::parse(text), form);
         const auto* wrong = std::get_if<std::string>(&read);
@@ -118,7 +118,7 @@ TEST_F(WaypointRoutes, are_refused_with_what_is_wrong_and_where) {
               "delete it from the plan");
 }
 
-TEST_F(WaypointRoutes, a_scan_asks_everybody_three_times) {
+TEST_F(WaypointRoutes, a_scan_sends_three_requests_to_all_devices) {
     net.add(0x30).name = "pod";
     const ano::TimePoint begin = net.time;
     const auto [status, all] = net.ask("POST", "/devices/scan", "{}");

@@ -19,7 +19,7 @@ std::string wrong(std::string_view text) {
     return words ? words->words : "nothing is wrong";
 }
 
-TEST(FoxgloveMessages, what_a_client_says_is_read) {
+TEST(FoxgloveMessages, messages_of_a_client_are_parsed) {
     const Said subscribed = read(
         R"({"op":"subscribe","subscriptions":[{"id":0,"channelId":3},{"id":4294967295,"channelId":5}]})");
     const auto& two = std::get<Subscribe>(subscribed).subscriptions;
@@ -36,7 +36,7 @@ TEST(FoxgloveMessages, what_a_client_says_is_read) {
     EXPECT_TRUE(std::get<WatchParameters>(read(R"({"op":"unsubscribeParameterUpdates"})")).ends);
 }
 
-TEST(FoxgloveMessages, what_is_no_message_is_said_in_words) {
+TEST(FoxgloveMessages, invalid_messages_are_rejected_with_an_explanation) {
     for (const std::string text : {"", "{", "\xff", "[1,2"})
         EXPECT_TRUE(wrong(text).starts_with("the message is not JSON: ")) << text;
     EXPECT_TRUE(wrong(std::string(65000, '[')).ends_with("nested deeper than 32 levels"));
@@ -56,7 +56,7 @@ TEST(FoxgloveMessages, what_is_no_message_is_said_in_words) {
               "the 'id' of a request must be text of at most 256 bytes");
 }
 
-TEST(FoxgloveMessages, nothing_is_written) {
+TEST(FoxgloveMessages, requests_to_write_are_rejected_as_unsupported) {
     for (const std::string op : {"setParameters", "advertise", "unadvertise"})
         EXPECT_EQ(wrong(R"({"op":")" + op + R"(","parameters":[{"name":"fc/220/A","value":1}]})"),
                   "'" + op + "' is not supported: this interface is read-only");
@@ -66,12 +66,12 @@ TEST(FoxgloveMessages, nothing_is_written) {
     EXPECT_EQ(info.at("sessionId"), "17");
 }
 
-TEST(FoxgloveMessages, bytes_of_a_channel_have_the_subscription_and_the_time_before_them) {
+TEST(FoxgloveMessages, message_data_starts_with_the_subscription_and_the_time) {
     EXPECT_EQ(message_data(0x01020304, 0x1122334455667788, "ab"), "\x01\x04\x03\x02\x01\x88\x77\x66\x55\x44\x33\x22\x11"s + "ab");
     EXPECT_EQ(message_data(0, 0, "").size(), 13u);
 }
 
-TEST(FoxgloveMessages, values_of_parameters_say_when_they_are_no_whole_numbers) {
+TEST(FoxgloveMessages, floating_point_parameter_values_have_the_type_float64) {
     const Parameter all[] = {{"fc/220/A", "5.0"}, {"fc/220/B", "7"}, {"fc/220/C", R"("text")"}};
     const json told = json::parse(parameter_values(all, "q"));
     EXPECT_EQ(told.at("id"), "q");
@@ -81,7 +81,7 @@ TEST(FoxgloveMessages, values_of_parameters_say_when_they_are_no_whole_numbers) 
     EXPECT_FALSE(json::parse(parameter_values({}, std::nullopt)).contains("id"));
 }
 
-TEST(FoxgloveMessages, texts_are_utf8_whatever_a_link_is_called) {
+TEST(FoxgloveMessages, texts_are_valid_utf8_for_any_link_name) {
     const Channel channel{1, "/\xff/x", "cdr", "a/b", "text", "ros2msg"};
     const json told = json::parse(advertise({&channel, 1}));
     EXPECT_EQ(told.at("channels").at(0).at("topic"), "/\xEF\xBF\xBD/x");

@@ -66,7 +66,7 @@ protected:
     FoxgloveSession session{{"anogate", "1"}, DecodedEncoding::cdr, {}};
 };
 
-TEST_F(FoxgloveSessionTest, who_comes_is_told_who_is_here_and_then_the_channels) {
+TEST_F(FoxgloveSessionTest, a_new_client_receives_the_server_info_and_then_the_channels) {
     learn(recorded(euler));
     const auto texts = all().texts;
     ASSERT_EQ(texts.size(), 2u);
@@ -83,7 +83,7 @@ TEST_F(FoxgloveSessionTest, who_comes_is_told_who_is_here_and_then_the_channels)
     EXPECT_TRUE(all().texts.empty()) << "once";
 }
 
-TEST_F(FoxgloveSessionTest, a_channel_is_told_when_its_first_frame_is_seen) {
+TEST_F(FoxgloveSessionTest, a_channel_is_advertised_when_its_first_frame_is_seen) {
     EXPECT_EQ(channels().size(), 1u);
     learn(recorded(euler));
     learn(recorded(euler));
@@ -94,7 +94,7 @@ TEST_F(FoxgloveSessionTest, a_channel_is_told_when_its_first_frame_is_seen) {
     EXPECT_FALSE(told.contains("/fc/device_220/euler"));
 }
 
-TEST_F(FoxgloveSessionTest, nothing_is_wanted_before_it_is_subscribed) {
+TEST_F(FoxgloveSessionTest, requests_no_frames_before_a_subscription) {
     learn(recorded(euler));
     EXPECT_FALSE(session.wants_other_frames());
     EXPECT_EQ(session.filter(), std::nullopt);
@@ -103,7 +103,7 @@ TEST_F(FoxgloveSessionTest, nothing_is_wanted_before_it_is_subscribed) {
     EXPECT_TRUE(all().data.empty());
 }
 
-TEST_F(FoxgloveSessionTest, what_is_subscribed_is_wanted_and_shown_and_nothing_else) {
+TEST_F(FoxgloveSessionTest, only_subscribed_channels_are_requested_and_shown) {
     learn(recorded(euler));
     learn(recorded(wind));
     const unsigned channel = channels().at("/fc/device_220/euler").at("id");
@@ -128,7 +128,7 @@ TEST_F(FoxgloveSessionTest, what_is_subscribed_is_wanted_and_shown_and_nothing_e
     EXPECT_GT(data[0].size(), 13u + 4u);
 }
 
-TEST_F(FoxgloveSessionTest, what_a_standard_message_has_of_other_frames_is_wanted_with_it) {
+TEST_F(FoxgloveSessionTest, frames_that_a_standard_message_also_needs_are_requested_with_it) {
     const support::Bytes inertial = frame(0xDC, 0xFF, 0x01, support::Bytes(13, 0));
     learn(recorded(euler));
     learn(recorded(inertial));
@@ -148,7 +148,7 @@ TEST_F(FoxgloveSessionTest, what_a_standard_message_has_of_other_frames_is_wante
     EXPECT_NE(data[0].find("fc/device_220"), std::string::npos);
 }
 
-TEST_F(FoxgloveSessionTest, links_of_like_names_are_called_as_they_were_found) {
+TEST_F(FoxgloveSessionTest, links_with_similar_names_keep_the_topics_they_were_found_with) {
     learn(recorded(euler, "a-b"));
     learn(recorded(euler, "a_b"));
     std::map<std::string, json> told;
@@ -168,7 +168,7 @@ TEST_F(FoxgloveSessionTest, links_of_like_names_are_called_as_they_were_found) {
     }
 }
 
-TEST_F(FoxgloveSessionTest, channels_of_a_link_that_is_gone_are_taken_back_and_come_anew_with_it) {
+TEST_F(FoxgloveSessionTest, channels_of_a_removed_link_are_unadvertised_and_advertised_again_with_it) {
     learn(recorded(euler));
     learn(recorded(wind, "ground"));
     const auto told = channels();
@@ -208,7 +208,7 @@ TEST_F(FoxgloveSessionTest, channels_of_a_link_that_is_gone_are_taken_back_and_c
     EXPECT_EQ(all().data.size(), 1u);
 }
 
-TEST_F(FoxgloveSessionTest, who_comes_later_is_told_nothing_of_a_link_that_is_gone) {
+TEST_F(FoxgloveSessionTest, a_later_client_receives_no_channels_of_a_removed_link) {
     learn(recorded(euler));
     learn(recorded(wind, "ground"));
     found.forget("fc");
@@ -252,7 +252,7 @@ TEST_F(FoxgloveSessionTest, a_flexible_message_with_another_layout_is_another_ch
     EXPECT_EQ(all().data.size(), 1u);
 }
 
-TEST_F(FoxgloveSessionTest, what_was_not_told_yet_is_not_taken_back) {
+TEST_F(FoxgloveSessionTest, channels_that_were_not_advertised_yet_are_not_unadvertised) {
     learn(recorded(euler));
     session.forget("fc");
     for (const json& text : all().texts) {
@@ -261,7 +261,7 @@ TEST_F(FoxgloveSessionTest, what_was_not_told_yet_is_not_taken_back) {
     }
 }
 
-TEST_F(FoxgloveSessionTest, whole_frames_are_a_channel_whatever_became_of_them) {
+TEST_F(FoxgloveSessionTest, whole_frames_form_one_channel_whether_forwarded_or_dropped) {
     const unsigned channel = channels().at("/anogate/frames").at("id");
     subscribe(1, channel);
     FrameFilterSettings whole;
@@ -275,7 +275,7 @@ TEST_F(FoxgloveSessionTest, whole_frames_are_a_channel_whatever_became_of_them) 
     EXPECT_NE(data[0].find(std::string{"\3\0\0\0fc\0", 7}), std::string::npos);
 }
 
-TEST_F(FoxgloveSessionTest, after_unsubscribing_nothing_is_wanted) {
+TEST_F(FoxgloveSessionTest, requests_no_frames_after_unsubscribing) {
     learn(recorded(euler));
     const unsigned channel = channels().at("/fc/device_220/euler").at("id");
     subscribe(7, channel);
@@ -290,7 +290,7 @@ TEST_F(FoxgloveSessionTest, after_unsubscribing_nothing_is_wanted) {
     EXPECT_EQ(all().data.size(), 1u) << "the number is free again";
 }
 
-TEST_F(FoxgloveSessionTest, subscriptions_that_can_not_be_are_errors_and_change_nothing) {
+TEST_F(FoxgloveSessionTest, invalid_subscriptions_are_errors_and_change_nothing) {
     learn(recorded(euler));
     learn(recorded(wind));
     const auto told = channels();
@@ -311,7 +311,7 @@ TEST_F(FoxgloveSessionTest, subscriptions_that_can_not_be_are_errors_and_change_
     EXPECT_EQ(all().data.size(), 1u);
 }
 
-TEST_F(FoxgloveSessionTest, a_thousand_faults_are_told_by_some_and_a_number) {
+TEST_F(FoxgloveSessionTest, of_a_thousand_errors_some_are_reported_and_the_rest_counted) {
     all();
     json many = json::array();
     for (unsigned i = 0; i < 1000; ++i) many.push_back({{"id", i}, {"channelId", 77}});
@@ -321,7 +321,7 @@ TEST_F(FoxgloveSessionTest, a_thousand_faults_are_told_by_some_and_a_number) {
     EXPECT_EQ(words.back(), std::to_string(1000 - FoxgloveSession::max_statuses) + " more errors are not reported individually");
 }
 
-TEST_F(FoxgloveSessionTest, what_was_not_shown_is_told_by_message) {
+TEST_F(FoxgloveSessionTest, dropped_frames_are_reported_per_message) {
     all();
     LostFrames lost;
     lost.by_id[0x03] = 120;
@@ -336,7 +336,7 @@ TEST_F(FoxgloveSessionTest, what_was_not_shown_is_told_by_message) {
               "123 frames of the last 500 ms were dropped: the client reads too slowly: euler 120, wind 3");
 }
 
-TEST_F(FoxgloveSessionTest, bytes_and_nonsense_are_answered_by_errors) {
+TEST_F(FoxgloveSessionTest, binary_and_invalid_messages_get_error_responses) {
     all();
     session.hear_bytes();
     session.hear("nonsense");
@@ -346,7 +346,7 @@ TEST_F(FoxgloveSessionTest, bytes_and_nonsense_are_answered_by_errors) {
     for (const json& text : texts) EXPECT_EQ(text.at("level"), 2) << text;
 }
 
-TEST_F(FoxgloveSessionTest, questions_for_parameters_are_passed_on_and_answered_with_their_id) {
+TEST_F(FoxgloveSessionTest, parameter_requests_are_forwarded_and_answered_with_their_id) {
     all();
     session.hear(R"({"op":"getParameters","parameterNames":["fc/220/A"],"id":"first"})");
     const auto question = session.next_question();
@@ -361,7 +361,7 @@ TEST_F(FoxgloveSessionTest, questions_for_parameters_are_passed_on_and_answered_
         json::parse(R"({"op":"parameterValues","parameters":[{"name":"fc/220/A","value":1.5,"type":"float64"}],"id":"first"})"));
 }
 
-TEST_F(FoxgloveSessionTest, only_so_many_questions_wait_for_their_answers) {
+TEST_F(FoxgloveSessionTest, requests_beyond_the_limit_of_waiting_ones_are_rejected) {
     all();
     for (std::size_t i = 0; i < FoxgloveSession::max_questions + 3; ++i) session.hear(R"({"op":"getParameters"})");
     std::vector<foxglove::GetParameters> questions;
@@ -376,7 +376,7 @@ TEST_F(FoxgloveSessionTest, only_so_many_questions_wait_for_their_answers) {
     EXPECT_TRUE(session.next_question()) << "an answer that is taken makes room";
 }
 
-TEST_F(FoxgloveSessionTest, names_that_no_parameter_has_are_not_kept) {
+TEST_F(FoxgloveSessionTest, names_too_long_for_a_parameter_are_not_stored) {
     all();
     const std::string longest(FoxgloveSession::max_watched_name, 'x');
     const auto watch = [&](const std::string& name) {
@@ -390,7 +390,7 @@ TEST_F(FoxgloveSessionTest, names_that_no_parameter_has_are_not_kept) {
     EXPECT_EQ(texts[0].at("parameters").size(), 1u);
 }
 
-TEST_F(FoxgloveSessionTest, of_values_that_change_those_that_are_watched_are_told_as_they_are_last) {
+TEST_F(FoxgloveSessionTest, changes_of_watched_parameters_are_reported_with_their_latest_values) {
     all();
     session.changed({{"fc/220/A", "1"}});
     EXPECT_TRUE(all().texts.empty());
@@ -408,7 +408,7 @@ TEST_F(FoxgloveSessionTest, of_values_that_change_those_that_are_watched_are_tol
     EXPECT_TRUE(all().texts.empty());
 }
 
-TEST_F(FoxgloveSessionTest, many_channels_are_told_in_messages_of_a_bounded_size) {
+TEST_F(FoxgloveSessionTest, many_channels_are_advertised_in_messages_of_bounded_size) {
     for (const std::string_view link : {"a", "b", "c", "d"})
         for (unsigned source = 1; source < 200; ++source) {
             const support::Bytes bytes = frame(static_cast<std::uint8_t>(source), 0xFF, 0x03, {0, 0, 0, 0, 0, 0, 1});

@@ -39,17 +39,17 @@ TEST_F(Alias, source_is_rewritten_on_the_way_in_and_destination_on_the_way_out) 
     EXPECT_EQ(out(frame(0xFE, 31, 0xE0, {2, 0, 0})), frame(0xFE, 0xDE, 0xE0, {2, 0, 0}));
 }
 
-TEST_F(Alias, others_pass_as_they_are) {
+TEST_F(Alias, frames_of_other_devices_pass_unchanged) {
     EXPECT_EQ(in(frame(0xDD, 0xDE, 0x01, {1})), frame(0xDD, 0xDE, 0x01, {1}));
     EXPECT_EQ(out(frame(0xFE, 0xFF, 0xE0, {0, 0, 0})), frame(0xFE, 0xFF, 0xE0, {0, 0, 0}));
     EXPECT_EQ(out(frame(0xDE, 0xDC, 0x51, {1})), frame(0xDE, 0xDC, 0x51, {1}));
 }
 
-TEST_F(Alias, frame_to_the_id_behind_an_alias_is_for_another_device) {
+TEST_F(Alias, frame_to_the_original_id_of_an_aliased_device_is_not_sent) {
     EXPECT_EQ(out(frame(0xFE, 0xDE, 0xE0, {0, 0, 0})), Bytes{});
 }
 
-TEST_F(Alias, of_a_device_that_sends_from_no_address) {
+TEST_F(Alias, works_for_a_device_that_sends_from_no_address) {
     for (const std::uint8_t nobody : {std::uint8_t{0x00}, std::uint8_t{0xFF}}) {
         aliases = Aliases{{{.device = nobody, .as = 31}}, 200};
         EXPECT_EQ(in(frame(nobody, 0xFE, 0x51, {1, 2, 3})), frame(31, 0xFE, 0x51, {1, 2, 3}));
@@ -61,13 +61,13 @@ TEST_F(Alias, of_a_device_that_sends_from_no_address) {
     }
 }
 
-TEST_F(Alias, device_info_tells_the_alias) {
+TEST_F(Alias, device_info_contains_the_alias) {
     EXPECT_EQ(in(frame(0xDE, 0xFE, 0xE3, {0xDE, 100, 0, 'x'})), frame(31, 0xFE, 0xE3, {31, 100, 0, 'x'}));
     EXPECT_EQ(in(frame(0xDE, 0xFE, 0xE3, {0xDD, 100})), frame(31, 0xFE, 0xE3, {0xDD, 100}));
     EXPECT_EQ(in(frame(0xDE, 0xFE, 0xE3, {})), frame(31, 0xFE, 0xE3, {}));
 }
 
-TEST_F(Alias, acknowledgement_of_a_write_carries_the_checks_as_it_was_sent) {
+TEST_F(Alias, acknowledgement_of_a_write_carries_the_checksum_as_it_was_sent) {
     const Bytes sent = frame(0xFE, 31, 0xE1, {3, 0, 42});
     const Bytes reached = out(sent);
     now += 4999ms;
@@ -75,7 +75,7 @@ TEST_F(Alias, acknowledgement_of_a_write_carries_the_checks_as_it_was_sent) {
     EXPECT_EQ(in(acknowledgement(reached, 0xDE)), acknowledgement(sent, 31)) << "a device may answer twice";
 }
 
-TEST_F(Alias, acknowledgement_of_what_the_device_wrote_does_too) {
+TEST_F(Alias, acknowledgement_of_a_write_by_the_device_carries_the_checksum_as_it_was_sent) {
     const Bytes sent = frame(0xDE, 0xFE, 0xE1, {3, 0, 42});
     const Bytes reached = in(sent);
     EXPECT_EQ(out(acknowledgement(reached, 0xFE)), acknowledgement(sent, 0xFE));
@@ -87,7 +87,7 @@ TEST_F(Alias, acknowledgement_of_a_broadcast_is_left_as_it_is) {
     EXPECT_EQ(in(acknowledgement(sent, 0xDE)), acknowledgement(sent, 31));
 }
 
-TEST_F(Alias, each_requester_has_its_own) {
+TEST_F(Alias, acknowledgements_for_several_requesters_carry_the_checksum_that_each_sent) {
     const Bytes mine = frame(0xFE, 31, 0xE1, {3, 0, 42});
     const Bytes theirs = frame(0xD2, 31, 0xE1, {3, 0, 42});
     const Bytes mine_there = out(mine);
@@ -96,14 +96,14 @@ TEST_F(Alias, each_requester_has_its_own) {
     EXPECT_EQ(in(acknowledgement(theirs_there, 0xDE)), acknowledgement(theirs, 31));
 }
 
-TEST_F(Alias, memory_ends) {
+TEST_F(Alias, memory_expires) {
     const Bytes sent = frame(0xFE, 31, 0xE1, {3, 0, 42});
     const Bytes reached = out(sent);
     now += Aliases::memory;
     EXPECT_EQ(in(acknowledgement(reached, 0xDE)), acknowledgement(reached, 31));
 }
 
-TEST_F(Alias, streams_leave_the_memory_alone) {
+TEST_F(Alias, streams_displace_nothing_in_the_memory) {
     const Bytes sent = frame(0xFE, 31, 0xE1, {3, 0, 42});
     const Bytes reached = out(sent);
     for (int n = 0; n < 100000; ++n)
@@ -112,7 +112,7 @@ TEST_F(Alias, streams_leave_the_memory_alone) {
 }
 
 // 2000 frames of an image would displace everything else in the memory.
-TEST_F(Alias, firmware_leaves_the_memory_alone) {
+TEST_F(Alias, firmware_frames_displace_nothing_in_the_memory) {
     const Bytes sent = frame(0xFE, 31, 0xE1, {3, 0, 42});
     const Bytes reached = out(sent);
     for (int n = 0; n < 2000; ++n)
@@ -126,7 +126,7 @@ TEST_F(Alias, short_acknowledgement_and_large_frame_pass) {
     EXPECT_EQ(out(frame(0xFE, 31, 0xE1, Bytes(201))), frame(0xFE, 31, 0xE1, Bytes(201)));
 }
 
-TEST(Aliases, two_devices_may_change_places) {
+TEST(Aliases, two_devices_may_swap_addresses) {
     Aliases aliases{{{.device = 30, .as = 31}, {.device = 31, .as = 30}}, 10};
     const Bytes to = frame(0xFE, 31, 0x01, {1});
     const Bytes from = frame(31, 0xFE, 0x01, {1});

@@ -28,7 +28,7 @@ struct WatchedAnswers : testing::Test {
     AnswerWatch watch;
 };
 
-TEST_F(WatchedAnswers, an_acknowledgement_of_another_devices_frame) {
+TEST_F(WatchedAnswers, include_an_acknowledgement_of_another_devices_frame) {
     const Bytes command = frame(0xFE, 0x44, 0xC0, {1, 2, 3}), own = frame(0xFE, 0x01, 0xC0, {1, 2, 3});
     EXPECT_FALSE(is_for_another(acknowledgement(0x01, command))) << "nothing was sent";
     sent(command);
@@ -40,7 +40,7 @@ TEST_F(WatchedAnswers, an_acknowledgement_of_another_devices_frame) {
     EXPECT_FALSE(is_for_another(acknowledgement(0x01, command), start + AnswerWatch::window));
 }
 
-TEST_F(WatchedAnswers, an_answer_to_another_devices_question) {
+TEST_F(WatchedAnswers, include_an_answer_to_another_devices_request) {
     const Bytes answer = frame(0x01, 0xFE, 0xE1, {5, 0, 9});
     sent(frame(0xFE, 0x44, 0xE0, {2, 5, 0}));
     EXPECT_TRUE(is_for_another(answer));
@@ -50,7 +50,7 @@ TEST_F(WatchedAnswers, an_answer_to_another_devices_question) {
     EXPECT_FALSE(is_for_another(answer)) << "it was asked the same";
 }
 
-TEST_F(WatchedAnswers, anybody_may_answer_for_all_and_for_a_port) {
+TEST_F(WatchedAnswers, any_device_may_answer_a_broadcast_or_a_port_request) {
     for (const std::uint8_t to : {std::uint8_t{0xFF}, std::uint8_t{7}}) {
         const Bytes action = frame(0xFE, to, 0xE0, {0x10, 0xAB, 0});
         sent(action);
@@ -60,7 +60,7 @@ TEST_F(WatchedAnswers, anybody_may_answer_for_all_and_for_a_port) {
     }
 }
 
-TEST_F(WatchedAnswers, only_the_last_ones_are_remembered) {
+TEST_F(WatchedAnswers, only_the_latest_frames_are_remembered) {
     const Bytes command = frame(0xFE, 0x44, 0xC0, {1, 2, 3});
     sent(command);
     for (std::uint8_t n = 1; n < AnswerWatch::memory; ++n) sent(frame(0xFE, 0x45, 0xC0, {n, 2, 3}));

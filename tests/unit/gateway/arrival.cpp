@@ -61,7 +61,7 @@ protected:
     Arrival wire;
 };
 
-TEST_F(ArrivalTest, what_waited_while_no_program_ran_is_as_old_as_that) {
+TEST_F(ArrivalTest, data_that_waited_while_no_program_ran_is_as_old_as_the_pause) {
     const ClockReading stopped = clocks;
     pass(3s);
     turn();
@@ -84,7 +84,7 @@ TEST_F(Stamped, counts_from_the_stamp) {
     EXPECT_EQ(age_by(came), 7ms);
 }
 
-TEST_F(Stamped, counts_through_a_standstill) {
+TEST_F(Stamped, counts_through_a_stall) {
     idle(5s);
     pass(2s);
     const Duration early = stamp();
@@ -104,19 +104,19 @@ TEST_F(Stamped, counts_while_the_machine_sleeps) {
     EXPECT_EQ(age_by(came), 8h + 1ms);
 }
 
-TEST_F(Stamped, of_the_future_is_now) {
+TEST_F(Stamped, of_the_future_counts_as_now) {
     idle(1s);
     EXPECT_EQ(age_by(stamp() + 10ms), 0s);
 }
 
-TEST_F(Stamped, is_no_older_than_the_wire_was_empty) {
+TEST_F(Stamped, is_no_older_than_the_last_time_the_wire_was_empty) {
     idle(1s);
     wire.found_empty(loop.clocks());
     pass(30ms);
     EXPECT_EQ(age_by(stamp() - 49ms), 30ms);
 }
 
-TEST_F(Stamped, means_nothing_when_the_clock_was_set) {
+TEST_F(Stamped, is_ignored_when_the_clock_was_set) {
     for (const Duration step : {Duration{1h}, Duration{-1h}, Duration{200ms}, Duration{-200ms}}) {
         idle(5s);
         const Duration came = stamp();
@@ -127,7 +127,7 @@ TEST_F(Stamped, means_nothing_when_the_clock_was_set) {
     }
 }
 
-TEST_F(Stamped, is_as_old_as_the_standstill_when_the_clock_was_set_meanwhile) {
+TEST_F(Stamped, is_as_old_as_the_stall_when_the_clock_was_set_meanwhile) {
     for (const Duration step : {Duration{1h}, Duration{-1h}}) {
         idle(5s);
         const Duration came = stamp();
@@ -145,7 +145,7 @@ TEST_F(Stamped, is_as_old_as_the_standstill_when_the_clock_was_set_meanwhile) {
     }
 }
 
-TEST_F(Stamped, follows_a_clock_that_is_pulled_slowly) {
+TEST_F(Stamped, follows_a_clock_that_is_adjusted_slowly) {
     idle(5s);
     for (int i = 0; i < 1000; ++i) {
         set_clock(49ms);
@@ -158,7 +158,7 @@ TEST_F(Stamped, follows_a_clock_that_is_pulled_slowly) {
 }
 
 // A stall may begin immediately after the read has returned.
-TEST_F(Stamped, is_no_younger_for_a_standstill_right_behind_the_read) {
+TEST_F(Stamped, is_no_younger_when_a_stall_follows_the_read_immediately) {
     idle(1s);
     turn();
     pass(1ms);    // the read finds nothing more
@@ -171,7 +171,7 @@ TEST_F(Stamped, is_no_younger_for_a_standstill_right_behind_the_read) {
 
 using Unstamped = ArrivalTest;
 
-TEST_F(Unstamped, is_as_old_as_the_time_that_nobody_has_read_in_though_the_loop_ran) {
+TEST_F(Unstamped, is_as_old_as_the_time_without_a_read_although_the_loop_ran) {
     idle(1s);
     const ClockReading stopped = clocks;
     pass(40ms);
@@ -180,7 +180,7 @@ TEST_F(Unstamped, is_as_old_as_the_time_that_nobody_has_read_in_though_the_loop_
     EXPECT_TRUE(wire.is_behind());
 }
 
-TEST_F(Unstamped, is_no_younger_for_a_standstill_right_behind_the_read) {
+TEST_F(Unstamped, is_no_younger_when_a_stall_follows_the_read_immediately) {
     idle(1s);
     turn();
     pass(2s);
@@ -190,7 +190,7 @@ TEST_F(Unstamped, is_no_younger_for_a_standstill_right_behind_the_read) {
     EXPECT_EQ(age(), 2001ms);
 }
 
-TEST_F(Unstamped, is_of_now_while_the_loop_runs) {
+TEST_F(Unstamped, counts_as_now_while_the_loop_runs) {
     EXPECT_EQ(age(), 0s);
     idle(1h);
     pass(90ms);
@@ -199,7 +199,7 @@ TEST_F(Unstamped, is_of_now_while_the_loop_runs) {
     EXPECT_EQ(age(), 0s);
 }
 
-TEST_F(Unstamped, is_as_old_as_a_standstill) {
+TEST_F(Unstamped, is_as_old_as_a_stall) {
     idle(1s);
     pass(9s);
     EXPECT_EQ(age(), 9s);
@@ -214,7 +214,7 @@ TEST_F(Unstamped, is_as_old_as_a_standstill) {
     EXPECT_EQ(age(), 0s);
 }
 
-TEST_F(Unstamped, is_no_older_than_the_wire_was_empty) {
+TEST_F(Unstamped, is_no_older_than_the_last_time_the_wire_was_empty) {
     idle(1s);
     pass(50ms);
     turn();
@@ -223,7 +223,7 @@ TEST_F(Unstamped, is_no_older_than_the_wire_was_empty) {
     EXPECT_EQ(age(), 9s);
 }
 
-TEST_F(Unstamped, is_of_now_where_nothing_waited) {
+TEST_F(Unstamped, counts_as_now_where_nothing_waited) {
     idle(1s);
     pass(9s);
     beat();    // a beat noticed the stall: other wires may still have old data
@@ -245,7 +245,7 @@ TEST_F(Unstamped, is_as_old_as_the_sleep_of_the_machine) {
     EXPECT_EQ(age(), 3020ms);
 }
 
-TEST_F(Unstamped, keeps_the_first_standstill_until_it_is_read) {
+TEST_F(Unstamped, is_as_old_as_the_first_stall_until_it_is_read) {
     idle(1s);
     pass(9s);
     EXPECT_EQ(age(), 9s);
@@ -255,7 +255,7 @@ TEST_F(Unstamped, keeps_the_first_standstill_until_it_is_read) {
 
 using Watch = ArrivalTest;
 
-TEST_F(Watch, tells_of_what_is_longer_than_half_a_second) {
+TEST_F(Watch, reports_stalls_longer_than_half_a_second) {
     idle(10s);
     EXPECT_EQ(loop.standstills(), 0u);
     pass(LoopWatch::told);
@@ -278,7 +278,7 @@ TEST_F(Watch, tells_of_what_is_longer_than_half_a_second) {
 }
 
 // Between slow beats, a stall is recognised by the age of the data that waited to be read.
-TEST_F(Watch, what_was_read_before_the_end_of_a_standstill_or_just_behind_it_may_have_waited) {
+TEST_F(Watch, data_read_before_the_end_of_a_stall_or_just_after_it_may_have_waited) {
     const auto may_have_waited = [&] { return loop.may_have_waited(clocks.now); };
     EXPECT_FALSE(may_have_waited());
     pass(period + LoopWatch::told / 2);
@@ -294,7 +294,7 @@ TEST_F(Watch, what_was_read_before_the_end_of_a_standstill_or_just_behind_it_may
     EXPECT_FALSE(may_have_waited());
 }
 
-TEST_F(Watch, is_told_by_what_waited_that_it_stood_still) {
+TEST_F(Watch, detects_a_stall_by_the_age_of_waiting_data) {
     loop.beat(520ms);
     pass(10ms);
     turn();
@@ -310,7 +310,7 @@ TEST_F(Watch, is_told_by_what_waited_that_it_stood_still) {
     EXPECT_EQ(loop.longest(), LoopWatch::told + 1ms);
 }
 
-TEST_F(Watch, remembers_what_is_told_through_a_turn_that_took_just_as_long_as_is_not) {
+TEST_F(Watch, remembers_a_stall_through_a_turn_just_too_short_to_be_reported) {
     loop.beat(10s);
     const Duration came = stamp();
     pass(2s);
@@ -321,7 +321,7 @@ TEST_F(Watch, remembers_what_is_told_through_a_turn_that_took_just_as_long_as_is
 }
 
 // A loop that can't keep up is not a stall.
-TEST_F(Watch, is_not_told_by_what_waited_while_it_ran) {
+TEST_F(Watch, reports_no_stall_for_data_that_waited_while_the_loop_ran) {
     const Duration came = stamp();
     idle(900ms);
     EXPECT_EQ(loop.waited(wire.stamped(came, loop)), 0s);
@@ -331,7 +331,7 @@ TEST_F(Watch, is_not_told_by_what_waited_while_it_ran) {
     EXPECT_EQ(loop.standstills(), 1u);
 }
 
-TEST_F(Watch, tells_how_long_the_machine_slept) {
+TEST_F(Watch, reports_how_long_the_machine_slept) {
     idle(1s);
     suspend(8h);
     pass(1ms);
@@ -343,7 +343,7 @@ TEST_F(Watch, tells_how_long_the_machine_slept) {
     EXPECT_EQ(turn().suspended, 0s);
 }
 
-TEST_F(Watch, takes_no_reading_of_two_clocks_for_sleep) {
+TEST_F(Watch, does_not_mistake_the_delay_between_two_clock_readings_for_sleep) {
     idle(1s);
     clocks.boot += 20us;
     EXPECT_EQ(turn().suspended, 0s);

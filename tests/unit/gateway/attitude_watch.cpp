@@ -62,7 +62,7 @@ TEST(AttitudeWatch, finds_a_contradiction_of_more_than_10_degrees_that_lasts_2_s
     EXPECT_EQ(device.watch.contradictory(), 0xDD);
 }
 
-TEST(AttitudeWatch, a_short_one_is_none) {
+TEST(AttitudeWatch, ignores_a_short_contradiction) {
     Device device;
     for (int i = 0; i < 10; ++i) {
         device.turn(1500ms, 40, -40);
@@ -71,7 +71,7 @@ TEST(AttitudeWatch, a_short_one_is_none) {
     EXPECT_EQ(device.watch.contradictory(), 0);
 }
 
-TEST(AttitudeWatch, with_the_right_setting_there_is_none) {
+TEST(AttitudeWatch, finds_no_contradiction_with_the_right_setting) {
     Device device{.watch = AttitudeWatch{EulerSigns::lx}};
     device.turn(10s, 40, -40);
     EXPECT_EQ(device.watch.contradictory(), 0);
@@ -82,7 +82,7 @@ TEST(AttitudeWatch, with_the_right_setting_there_is_none) {
 
 // The hint names the other setting, which must solve the contradiction: a quaternion in another order, or without fusion,
 // contradicts both settings.
-TEST(AttitudeWatch, what_the_other_setting_does_not_solve_is_none) {
+TEST(AttitudeWatch, ignores_a_contradiction_that_the_other_setting_does_not_solve) {
     Device device;
     device.turn(10s, 40, 100);
     device.turn(10s, 90, 0);
@@ -91,7 +91,7 @@ TEST(AttitudeWatch, what_the_other_setting_does_not_solve_is_none) {
     EXPECT_EQ(device.watch.contradictory(), 0xDD);
 }
 
-TEST(AttitudeWatch, one_that_spins_faster_than_it_sends_both_is_none) {
+TEST(AttitudeWatch, ignores_a_device_that_turns_far_between_the_two_frames) {
     Device device;
     for (int i = 0; i < 400; ++i, device.now += 50ms) {    // 200 degrees a second, the quaternion 90 ms late
         const Bytes one = euler(std::remainder(10.0 * i, 360)), other = quaternion(10.0 * i - 18);
@@ -101,7 +101,7 @@ TEST(AttitudeWatch, one_that_spins_faster_than_it_sends_both_is_none) {
     EXPECT_EQ(device.watch.contradictory(), 0);
 }
 
-TEST(AttitudeWatch, turning_through_180_degrees_and_the_other_sign_of_a_quaternion_are_none) {
+TEST(AttitudeWatch, ignores_turns_through_180_degrees_and_the_other_sign_of_a_quaternion) {
     Device device;
     for (const double yaw : {179.0, -179.0, 180.0}) {
         device.turn(3s, yaw, yaw + 360);
@@ -110,7 +110,7 @@ TEST(AttitudeWatch, turning_through_180_degrees_and_the_other_sign_of_a_quaterni
     EXPECT_EQ(device.watch.contradictory(), 0);
 }
 
-TEST(AttitudeWatch, it_ends_when_both_agree_for_10_seconds) {
+TEST(AttitudeWatch, ends_a_contradiction_when_both_agree_for_10_seconds) {
     Device device;
     device.turn(3s, 40, -40);
     device.turn(9s, 0, 0);    // level and pointing north, both signs are consistent
@@ -131,7 +131,7 @@ TEST(AttitudeWatch, frames_far_apart_and_of_different_devices_are_not_compared) 
     EXPECT_EQ(device.watch.contradictory(), 0);
 }
 
-TEST(AttitudeWatch, takes_no_memory_and_compares_only_the_first_devices) {
+TEST(AttitudeWatch, allocates_no_memory_and_compares_only_the_first_devices) {
     Device device;
     std::vector<Bytes> frames;
     for (std::uint8_t source = 1; source <= 40; ++source) {

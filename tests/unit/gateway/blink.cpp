@@ -28,7 +28,7 @@ int blinks_in_a_second(ano::Duration pause, ano::Duration late = 0ms) {
     return count;
 }
 
-TEST(Blink, is_seen_for_one_frame) {
+TEST(Blink, blinks_visibly_for_a_single_frame) {
     Blink blink;
     const ano::TimePoint now{10s};
     EXPECT_TRUE(blink.traffic());
@@ -39,7 +39,7 @@ TEST(Blink, is_seen_for_one_frame) {
     EXPECT_FALSE(blink.step(now + 25ms));
 }
 
-TEST(Blink, shows_later_what_came_in_the_dark) {
+TEST(Blink, shows_traffic_of_the_dark_phase_later) {
     Blink blink;
     const ano::TimePoint now{10s};
     blink.traffic();
@@ -56,12 +56,12 @@ TEST(Blink, blinks_with_slow_traffic) {
     EXPECT_EQ(blinks_in_a_second(250ms), 4);
 }
 
-TEST(Blink, blinks_twenty_times_a_second_however_much_traffic) {
+TEST(Blink, blinks_twenty_times_a_second_under_heavy_traffic) {
     EXPECT_EQ(blinks_in_a_second(1ms), 20);
     EXPECT_EQ(blinks_in_a_second(100us), 20);
 }
 
-TEST(Blink, is_dark_as_long_as_it_should_be_when_it_went_out_late) {
+TEST(Blink, stays_dark_for_the_full_time_when_it_turned_off_late) {
     Blink blink;
     const ano::TimePoint now{10s};
     blink.traffic();

@@ -214,7 +214,7 @@ TEST(CanCutter, the_rest_of_a_frame_keeps_its_id) {
     EXPECT_EQ(cutter.cut({waiting + 1, 1})[0].id, 0x0AB10102u);
 }
 
-TEST(CanCutter, a_frame_that_is_given_up_leaves_its_id_to_no_other) {
+TEST(CanCutter, the_id_of_an_abandoned_frame_is_not_used_for_the_next_frame) {
     CanCutter cutter{classic()};
     const Bytes a = support::frame(0xFE, 0xDC, 0xC0, data_of(11)), b = support::frame(1, 2, 3);
     const std::span<const std::uint8_t> first[] = {a}, second[] = {b};
@@ -224,7 +224,7 @@ TEST(CanCutter, a_frame_that_is_given_up_leaves_its_id_to_no_other) {
     EXPECT_EQ(cutter.cut(second)[0].id, 0x601u);
 }
 
-TEST(CanStreams, padding_is_skipped_uncounted_even_behind_checks_that_are_zero) {
+TEST(CanStreams, padding_is_skipped_uncounted_even_after_a_zero_checksum) {
     CanCutter cutter{with_fd()};
     Receiver receiver{with_fd()};
     std::size_t bytes = 0;
@@ -253,7 +253,7 @@ TEST(CanStreams, streams_of_different_senders_never_mix) {
     EXPECT_EQ(receiver.streams.received().skipped_bytes, 0u);
 }
 
-TEST(CanStreams, a_lost_can_frame_costs_one_frame) {
+TEST(CanStreams, a_lost_can_frame_damages_only_one_frame) {
     for (std::size_t lost = 0; lost < 4; ++lost) {
         CanCutter cutter{classic()};
         Receiver receiver{classic()};
@@ -268,7 +268,7 @@ TEST(CanStreams, a_lost_can_frame_costs_one_frame) {
     }
 }
 
-TEST(CanStreams, a_frame_from_another_than_its_id_says_is_refused_and_counted) {
+TEST(CanStreams, a_frame_whose_source_differs_from_its_can_id_is_refused_and_counted) {
     Receiver receiver{classic()};
     const Bytes frame = support::frame(0xDC, 0xFE, 3);
     receiver({0x6DD, frame});
@@ -278,7 +278,7 @@ TEST(CanStreams, a_frame_from_another_than_its_id_says_is_refused_and_counted) {
     EXPECT_EQ(receiver.streams.received().denied_in, 1u);
 }
 
-TEST(CanStreams, noise_under_new_ids_opens_nothing_and_pushes_nobody_out) {
+TEST(CanStreams, noise_with_new_ids_opens_no_stream_and_evicts_none) {
     CanCutter cutter{with_extended()};
     Receiver receiver{with_extended()};
     const auto bus = sent(cutter, support::frame(0xDC, 0xFE, 3, data_of(17)));
@@ -293,7 +293,7 @@ TEST(CanStreams, noise_under_new_ids_opens_nothing_and_pushes_nobody_out) {
     EXPECT_EQ(counters.skipped_bytes, 4u * 0x2FFFFu);
 }
 
-TEST(CanStreams, the_id_unused_longest_gives_way) {
+TEST(CanStreams, the_longest_unused_id_is_evicted) {
     Receiver receiver{with_extended()};
     const Bytes half{0xAB, 1, 2, 3, 4, 0, 0, 0};
     for (std::uint32_t i = 0; i < 1000; ++i) {
@@ -306,7 +306,7 @@ TEST(CanStreams, the_id_unused_longest_gives_way) {
     EXPECT_EQ(counters.expired, 1000u - 255u);
 }
 
-TEST(CanStreams, an_id_that_goes_on_is_not_the_one_unused_longest) {
+TEST(CanStreams, an_id_that_continues_is_not_evicted_as_the_longest_unused) {
     CanCutter cutter{with_extended()};
     Receiver receiver{with_extended()};
     const auto first = sent(cutter, support::frame(1, 1, 0xF1, data_of(17)));
@@ -322,7 +322,7 @@ TEST(CanStreams, an_id_that_goes_on_is_not_the_one_unused_longest) {
     EXPECT_EQ(receiver.frames, std::vector<Bytes>{support::frame(1, 1, 0xF1, data_of(17))});
 }
 
-TEST(CanStreams, an_id_that_is_not_ours_opens_nothing) {
+TEST(CanStreams, an_id_outside_the_range_opens_no_stream) {
     Receiver receiver{classic()};
     const Bytes frame = support::frame(0xDC, 0xFE, 3);
     receiver({0x5DC, frame});
@@ -331,7 +331,7 @@ TEST(CanStreams, an_id_that_is_not_ours_opens_nothing) {
     EXPECT_EQ(receiver.streams.received().skipped_bytes, 2 * frame.size());
 }
 
-TEST(CanStreams, what_never_ends_is_given_up_and_holds_nobody_back) {
+TEST(CanStreams, an_unfinished_frame_expires_and_the_next_frame_is_returned) {
     Receiver receiver{classic()};
     EXPECT_FALSE(receiver.streams.deadline());
     receiver({0x6DC, {0xAB, 0xDC, 0xFE, 3, 200, 0, 1, 2}});
@@ -344,7 +344,7 @@ TEST(CanStreams, what_never_ends_is_given_up_and_holds_nobody_back) {
     EXPECT_FALSE(receiver.streams.deadline());
 }
 
-TEST(CanStreams, of_several_nodes_the_one_that_is_due_first_counts) {
+TEST(CanStreams, the_deadline_is_the_earliest_of_several_nodes) {
     Receiver receiver{classic()};
     const auto begin = [&](std::uint32_t id, std::uint8_t source) {
         receiver({id, {0xAB, source, 0xFE, 3, 200, 0, 1, 2}});

@@ -11,7 +11,7 @@ namespace channel_tests {
 
 using namespace anogate;
 
-TEST(Channel, received_is_what_its_parsers_and_the_gateway_counted) {
+TEST(Channel, received_sums_the_counters_of_its_parsers_and_the_gateway) {
     Channel channel{{}, {}, "", {}, {}, {}};
     channel.routed.no_route = 2;
     channel.routed.looped = 1;
@@ -30,7 +30,7 @@ TEST(Channel, received_is_what_its_parsers_and_the_gateway_counted) {
     EXPECT_EQ(all.looped, 1u);
 }
 
-TEST(Channel, sent_is_what_the_outbox_and_the_questions_before_it_counted) {
+TEST(Channel, sent_sums_the_counters_of_the_outbox_and_the_request_queue) {
     Channel channel{{}, {}, "", {}, {}, {}};
     channel.outbox.open();
     channel.questions = std::make_unique<QuestionQueue>(channel.outbox, QuestionQueue::Options{});
@@ -41,7 +41,7 @@ TEST(Channel, sent_is_what_the_outbox_and_the_questions_before_it_counted) {
     EXPECT_EQ(channel.waiting(), InFlight::max_questions + 3);
 }
 
-TEST(Channel, counts_the_bytes_of_no_frame_since_the_last_good_one) {
+TEST(Channel, counts_skipped_bytes_since_the_last_valid_frame) {
     Channel channel{{}, {}, "", {}, {}, {}};
     const auto bring = [&](const support::Bytes& bytes) {
         std::copy(bytes.begin(), bytes.end(), channel.parser.prepare().begin());

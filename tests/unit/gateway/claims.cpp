@@ -25,7 +25,7 @@ struct ClaimsTest : testing::Test {
     TimePoint start{};
 };
 
-TEST_F(ClaimsTest, asks_and_waits_after_each_question) {
+TEST_F(ClaimsTest, sends_requests_and_waits_after_each) {
     EXPECT_FALSE(claims.next());
     ASSERT_TRUE(claims.begin(7, channel(3), start));
     EXPECT_EQ(claims.next(), start);
@@ -42,7 +42,7 @@ TEST_F(ClaimsTest, asks_and_waits_after_each_question) {
     EXPECT_FALSE(claims.is_due(TimePoint::max() - 1ns));
 }
 
-TEST_F(ClaimsTest, one_at_a_time_and_not_too_often) {
+TEST_F(ClaimsTest, allows_one_test_of_an_address_at_a_time_with_a_pause_between_tests) {
     ASSERT_TRUE(claims.begin(7, channel(3), start));
     EXPECT_FALSE(claims.begin(7, channel(4), start));
     EXPECT_TRUE(claims.begin(8, channel(4), start));
@@ -54,7 +54,7 @@ TEST_F(ClaimsTest, one_at_a_time_and_not_too_often) {
     EXPECT_TRUE(claims.begin(7, channel(3), start + 100ms));
 }
 
-TEST_F(ClaimsTest, of_several_tests_the_one_that_is_due_first_counts) {
+TEST_F(ClaimsTest, the_next_time_is_the_earliest_of_several_tests) {
     claims.begin(7, channel(3), start);
     claims.begin(8, channel(4), start + 5ms);
     EXPECT_EQ(claims.next(), start);
@@ -65,7 +65,7 @@ TEST_F(ClaimsTest, of_several_tests_the_one_that_is_due_first_counts) {
 }
 
 // The answer may wait in a socket that was not read yet.
-TEST_F(ClaimsTest, who_did_not_listen_asks_again) {
+TEST_F(ClaimsTest, sends_another_request_if_it_was_late_to_read_the_answer) {
     claims.begin(7, channel(3), start);
     EXPECT_EQ(due(start), "a");
     EXPECT_EQ(due(start + 10ms), "a");
@@ -73,7 +73,7 @@ TEST_F(ClaimsTest, who_did_not_listen_asks_again) {
     EXPECT_EQ(due(start + 70ms), "S");
 }
 
-TEST_F(ClaimsTest, tests_of_all_addresses_at_once) {
+TEST_F(ClaimsTest, tests_all_addresses_at_once) {
     for (unsigned a = 0; a < 256; ++a) ASSERT_TRUE(claims.begin(static_cast<std::uint8_t>(a), channel(a % 64), start));
     EXPECT_EQ(due(start), std::string(256, 'a'));
     for (unsigned a = 0; a < 256; a += 2) claims.end(static_cast<std::uint8_t>(a));

@@ -19,20 +19,20 @@ std::vector<std::size_t> sent(ClassShares& shares, const ClassShares::Sizes& nex
     return classes;
 }
 
-TEST(ClassShares, after_nine_urgent_frames_comes_one_of_telemetry_as_large) {
+TEST(ClassShares, after_nine_urgent_frames_one_telemetry_frame_of_that_size_is_sent) {
     ClassShares shares;
     EXPECT_EQ(sent(shares, {100, 100, 0}, 20),
               (std::vector<std::size_t>{0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1}));
 }
 
-TEST(ClassShares, what_is_due_is_over_when_nothing_waits_any_more) {
+TEST(ClassShares, shares_that_are_due_expire_when_nothing_waits) {
     ClassShares shares;
     sent(shares, {100, 100, 0}, 9);
     shares.clear();
     EXPECT_EQ(shares.choose({100, 100, 0}), 0u);
 }
 
-TEST(ClassShares, nobody_sends_where_nothing_waits) { EXPECT_EQ(ClassShares{}.choose({}), traffic_classes); }
+TEST(ClassShares, nothing_is_sent_when_nothing_waits) { EXPECT_EQ(ClassShares{}.choose({}), traffic_classes); }
 
 }    // namespace
 }    // namespace class_shares_tests

@@ -25,7 +25,7 @@ TEST(ConnectionPlaces, are_free_until_all_are_taken) {
     EXPECT_FALSE(places.place_for(all, address(3), false, at(3600s)).free) << "those that have sent a frame stay";
 }
 
-TEST(ConnectionPlaces, one_that_sent_no_frame_within_ten_seconds_gives_way_the_oldest_first) {
+TEST(ConnectionPlaces, connections_without_a_frame_within_ten_seconds_are_replaced_oldest_first) {
     const ConnectionPlaces places{3, 3, 0};
     const std::vector<Connection> all{
         {address(1), at(0s), true, false}, {address(2), at(2s), false, false}, {address(3), at(1s), false, false}};
@@ -35,7 +35,7 @@ TEST(ConnectionPlaces, one_that_sent_no_frame_within_ten_seconds_gives_way_the_o
     EXPECT_EQ(place.gives_way, 2u);
 }
 
-TEST(ConnectionPlaces, an_address_has_a_share_and_takes_only_its_own_silent_places) {
+TEST(ConnectionPlaces, an_address_has_a_share_and_replaces_only_silent_connections_of_the_same_address) {
     const ConnectionPlaces places{8, 2, 0};
     std::vector<Connection> all{
         {address(1), at(0s), true, false}, {address(1), at(0s), true, false}, {address(2), at(0s), false, false}};
@@ -47,7 +47,7 @@ TEST(ConnectionPlaces, an_address_has_a_share_and_takes_only_its_own_silent_plac
     EXPECT_TRUE(places.place_for(own, loopback, false, at(0s)).free);
 }
 
-TEST(ConnectionPlaces, some_are_kept_for_trusted_ones) {
+TEST(ConnectionPlaces, some_are_reserved_for_trusted_connections) {
     const ConnectionPlaces places{4, 4, 1};
     const std::vector<Connection> all{
         {address(1), at(0s), true, false}, {address(2), at(0s), true, false}, {address(3), at(0s), true, false}};
@@ -55,7 +55,7 @@ TEST(ConnectionPlaces, some_are_kept_for_trusted_ones) {
     EXPECT_TRUE(places.place_for(all, address(5), true, at(0s)).free);
 }
 
-TEST(ConnectionPlaces, a_silent_trusted_one_gives_way_to_trusted_ones_alone) {
+TEST(ConnectionPlaces, a_silent_trusted_connection_is_replaced_only_by_a_trusted_one) {
     const ConnectionPlaces places{2, 2, 0};
     const std::vector<Connection> all{{address(1), at(0s), true, false}, {address(2), at(0s), false, true}};
     EXPECT_FALSE(places.place_for(all, address(3), false, at(60s)).free);

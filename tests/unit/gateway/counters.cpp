@@ -12,7 +12,7 @@ namespace counters_tests {
 
 using namespace anogate;
 
-TEST(Counters, every_member_is_a_row_but_offered) {
+TEST(Counters, every_member_except_offered_has_a_row) {
     EXPECT_EQ(std::size(receive_counters) * sizeof(std::uint64_t), sizeof(ReceiveCounters));
     EXPECT_EQ((std::size(send_counters) + 1) * sizeof(std::uint64_t), sizeof(SendCounters));
 }
@@ -35,7 +35,7 @@ TEST(Counters, names_and_members_are_distinct) {
     }
 }
 
-TEST(Counters, add_adds_each) {
+TEST(Counters, add_sums_each_counter) {
     SendCounters a;
     SendCounters b;
     std::uint64_t n = 1;
@@ -51,7 +51,7 @@ TEST(Counters, add_adds_each) {
     EXPECT_EQ(a.offered, 15u);
 }
 
-TEST(Counters, what_a_parser_counted_is_added) {
+TEST(Counters, parser_counters_are_added) {
     ano::ParserCounters parser;
     parser.frames_in = 1;
     parser.bytes_in = 2;
@@ -66,7 +66,7 @@ TEST(Counters, what_a_parser_counted_is_added) {
 }
 
 // Each counter that accounts for an offered frame, by its row: all except those that count something else about sent frames.
-TEST(Counters, what_is_unaccounted_waits) {
+TEST(Counters, frames_that_are_not_accounted_for_are_waiting) {
     SendCounters c;
     c.offered = 100;
     std::uint64_t expected = 100;

@@ -21,21 +21,21 @@ struct Line {
     }
 };
 
-TEST(DrainWatch, a_line_on_which_nothing_leaves_for_3_s_takes_nothing) {
+TEST(DrainWatch, a_line_that_sends_nothing_for_3_s_is_stopped) {
     Line line;
     EXPECT_FALSE(line.is_stopped_after(2900ms));
     EXPECT_TRUE(line.is_stopped_after(300ms));
     EXPECT_FALSE(line.is_stopped_after(200ms, true, 1)) << "it goes on";
 }
 
-TEST(DrainWatch, a_slow_line_and_one_for_which_nothing_waits_take_what_there_is) {
+TEST(DrainWatch, a_slow_line_or_one_without_waiting_data_is_not_stopped) {
     Line line;
     EXPECT_FALSE(line.is_stopped_after(10s, true, 1));
     EXPECT_FALSE(line.is_stopped_after(10s, false));
     EXPECT_FALSE(line.is_stopped_after(2900ms)) << "it waits only now";
 }
 
-TEST(DrainWatch, what_was_while_nobody_looked_is_not_known) {
+TEST(DrainWatch, time_without_observation_does_not_count) {
     Line line;
     line.is_stopped_after(200ms);
     line.now += 1min;

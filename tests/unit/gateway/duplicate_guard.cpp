@@ -14,7 +14,7 @@ using Kind = DuplicateGuard::Kind;
 constexpr TimePoint start{1h};
 constexpr LinkId link(unsigned n) { return static_cast<LinkId>(n); }
 
-TEST(DuplicateGuard, lets_one_copy_through) {
+TEST(DuplicateGuard, forwards_only_the_first_copy_within_two_seconds) {
     DuplicateGuard guard;
     EXPECT_FALSE(guard.duplicate(1, 1, link(0), Kind::other, start));
     EXPECT_TRUE(guard.duplicate(1, 1, link(1), Kind::other, start + 500ms));
@@ -22,14 +22,14 @@ TEST(DuplicateGuard, lets_one_copy_through) {
     EXPECT_FALSE(guard.duplicate(1, 1, link(1), Kind::other, start + 2s));
 }
 
-TEST(DuplicateGuard, a_copy_that_waited_to_be_read_is_one_all_the_same) {
+TEST(DuplicateGuard, a_copy_that_waited_to_be_read_is_still_a_duplicate) {
     DuplicateGuard guard;
     EXPECT_FALSE(guard.duplicate(1, 1, link(0), Kind::other, start));
     EXPECT_TRUE(guard.duplicate(1, 1, link(1), Kind::other, start + 4s, start + 1999ms));
     EXPECT_FALSE(guard.duplicate(1, 1, link(1), Kind::other, start + 4s, start + 2s));
 }
 
-TEST(DuplicateGuard, of_a_program_that_goes_on_knows_what_came_before) {
+TEST(DuplicateGuard, restored_after_a_restart_knows_the_earlier_frames) {
     DuplicateGuard before;
     before.duplicate(0x100, 7, link(3), Kind::other, start);
     before.duplicate(0x200, 7, link(3), Kind::other, start + 1s);
@@ -45,7 +45,7 @@ TEST(DuplicateGuard, of_a_program_that_goes_on_knows_what_came_before) {
     EXPECT_FALSE(guard.duplicate(0x200, 2, link(1), Kind::other, start + 3s)) << "the window is over";
 }
 
-TEST(DuplicateGuard, the_same_link_may_repeat) {
+TEST(DuplicateGuard, passes_repeated_frames_of_the_same_link) {
     DuplicateGuard guard;
     EXPECT_FALSE(guard.duplicate(1, 1, link(0), Kind::other, start));
     EXPECT_FALSE(guard.duplicate(1, 1, link(0), Kind::other, start + 1s));
@@ -53,7 +53,7 @@ TEST(DuplicateGuard, the_same_link_may_repeat) {
 }
 
 // Acknowledgements of equal commands are equal, and each command may be sent on another link.
-TEST(DuplicateGuard, an_answer_to_a_newer_question_is_none) {
+TEST(DuplicateGuard, an_answer_to_a_newer_request_is_not_a_duplicate) {
     DuplicateGuard guard;
     guard.asked(1, start);
     EXPECT_FALSE(guard.duplicate(1, 1, link(0), Kind::answer, start + 5ms));
@@ -66,13 +66,13 @@ TEST(DuplicateGuard, an_answer_to_a_newer_question_is_none) {
     EXPECT_TRUE(guard.duplicate(1, 1, link(0), Kind::answer, start + 406ms));
 }
 
-TEST(DuplicateGuard, groups_are_apart) {
+TEST(DuplicateGuard, groups_are_independent) {
     DuplicateGuard guard;
     EXPECT_FALSE(guard.duplicate(0xAB, 1, link(0), Kind::other, start));
     EXPECT_FALSE(guard.duplicate(0xAB, 2, link(1), Kind::other, start));
 }
 
-TEST(DuplicateGuard, resting_sticks_survive_a_failing_link) {
+TEST(DuplicateGuard, unchanged_stick_frames_continue_within_200_ms_when_a_link_fails) {
     DuplicateGuard guard;
     TimePoint now = start;
     for (int i = 0; i < 50; ++i, now += 20ms) {    // both links deliver them
@@ -84,14 +84,14 @@ TEST(DuplicateGuard, resting_sticks_survive_a_failing_link) {
     EXPECT_LE(lost, 10) << "200 ms";
 }
 
-TEST(DuplicateGuard, a_command_never_comes_twice) {
+TEST(DuplicateGuard, copies_of_a_command_by_another_link_never_pass) {
     DuplicateGuard guard;
     EXPECT_FALSE(guard.duplicate(1, 1, link(0), Kind::other, start));
     EXPECT_FALSE(guard.duplicate(1, 1, link(0), Kind::other, start + 100ms));    // a repeat by the user
     for (int i = 1; i < 10; ++i) EXPECT_TRUE(guard.duplicate(1, 1, link(1), Kind::other, start + 100ms + i * 200ms));
 }
 
-TEST(DuplicateGuard, a_link_that_is_removed_leaves_what_it_brought_and_nothing_else) {
+TEST(DuplicateGuard, copies_of_frames_of_a_removed_link_are_still_dropped) {
     DuplicateGuard guard;
     EXPECT_FALSE(guard.duplicate(1, 1, link(0), Kind::other, start));
     guard.remove_link(link(0));
@@ -106,7 +106,7 @@ TEST(DuplicateGuard, a_link_that_is_removed_counts_as_silent) {
     EXPECT_FALSE(guard.duplicate(1, 1, link(1), Kind::state, start + 1ms));
 }
 
-TEST(DuplicateGuard, a_group_that_is_removed_leaves_nothing_to_another_of_its_number) {
+TEST(DuplicateGuard, a_removed_group_leaves_nothing_to_a_new_group_with_its_number) {
     DuplicateGuard guard;
     EXPECT_FALSE(guard.duplicate(0xAB, 1, link(0), Kind::other, start));
     EXPECT_FALSE(guard.duplicate(0xAB, 2, link(2), Kind::other, start));

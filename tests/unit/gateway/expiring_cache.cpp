@@ -42,7 +42,7 @@ TEST(ExpiringCache, forgets_the_oldest_when_full) {
     EXPECT_NE(cache.find(999, start + 1s), nullptr);
 }
 
-TEST(ExpiringCache, holds_no_memory_for_what_was_never_put_in) {
+TEST(ExpiringCache, uses_no_memory_for_entries_that_were_never_stored) {
     const long before = resident();
     ExpiringCache<std::array<std::uint64_t, 6>> cache{1h, 1 << 19};    // 32 MiB
     cache.put(1, {1}, start);
@@ -52,7 +52,7 @@ TEST(ExpiringCache, holds_no_memory_for_what_was_never_put_in) {
     EXPECT_EQ((*cache.find(1, start))[0], 1u);
 }
 
-TEST(ExpiringCache, tells_when_something_was_put_in) {
+TEST(ExpiringCache, returns_the_time_at_which_an_entry_was_stored) {
     ExpiringCache<int> cache{2s, 64};
     for (const TimePoint at : {TimePoint{}, TimePoint{} - 1s, start}) {    // a clock may begin at any time
         cache.put(5, 1, at);
@@ -62,7 +62,7 @@ TEST(ExpiringCache, tells_when_something_was_put_in) {
     }
 }
 
-TEST(ExpiringCache, is_swept_by_what_is_to_stay) {
+TEST(ExpiringCache, keep_if_removes_all_other_entries) {
     ExpiringCache<int> cache{2s, 64};
     for (int n = 0; n < 4; ++n) cache.put(static_cast<std::uint64_t>(n), n, start);
     cache.keep_if([](std::uint64_t key, int& value) {

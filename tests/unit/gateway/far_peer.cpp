@@ -29,7 +29,7 @@ Bytes answer_to(std::uint8_t address) { return frame(0xDC, address, 0xE3, Bytes(
 const Bytes command = frame(0xFE, 0xDC, 0xC0, {16, 0, 2});
 const Bytes acknowledged = frame(0xDC, 0xFE, 0x00, {0xC0, command[command.size() - 2], command.back()});
 
-TEST(FarPeer, gets_three_times_its_own_bytes_in_each_ten_seconds) {
+TEST(FarPeer, receives_at_most_three_times_its_sent_bytes_in_each_ten_seconds) {
     FarPeer far{start};
     EXPECT_EQ(far.allowance(start), 0u);
     far.came(8, start);
@@ -46,7 +46,7 @@ TEST(FarPeer, gets_three_times_its_own_bytes_in_each_ten_seconds) {
     EXPECT_FALSE(far.is_there());
 }
 
-TEST(FarPeer, is_there_when_it_answered_two_questions_at_the_addresses_that_asked) {
+TEST(FarPeer, is_confirmed_when_it_answers_two_requests_at_their_source_addresses) {
     Far far;
     const auto question = far.ask(start);
     ASSERT_TRUE(question);
@@ -59,7 +59,7 @@ TEST(FarPeer, is_there_when_it_answered_two_questions_at_the_addresses_that_aske
     EXPECT_TRUE(far.is_there());
 }
 
-TEST(FarPeer, an_answer_to_another_address_makes_the_question_void) {
+TEST(FarPeer, an_answer_to_a_wrong_address_voids_the_request) {
     Far far;
     far.ask(start);
     far.hears(answer_to(asked_as), start);
@@ -73,14 +73,14 @@ TEST(FarPeer, an_answer_to_another_address_makes_the_question_void) {
     EXPECT_FALSE(far.is_there()) << "one right guess of those that came later is not two";
 }
 
-TEST(FarPeer, an_answer_to_a_host_is_not_ours_and_proves_nothing) {
+TEST(FarPeer, an_answer_to_a_host_does_not_count_as_one_to_the_gateway) {
     Far far;
     far.ask(start);
     EXPECT_FALSE(far.hears(answer_to(0xFE), start));
     EXPECT_TRUE(far.hears(answer_to(asked_as), start)) << "and disturbs nothing";
 }
 
-TEST(FarPeer, an_answer_that_comes_too_late_or_unasked_counts_for_nothing) {
+TEST(FarPeer, a_late_or_unsolicited_answer_does_not_count) {
     Far far;
     EXPECT_FALSE(far.hears(answer_to(asked_as), start));
     far.ask(start);
@@ -90,7 +90,7 @@ TEST(FarPeer, an_answer_that_comes_too_late_or_unasked_counts_for_nothing) {
     EXPECT_TRUE(in_time.hears(answer_to(asked_as), start + 3s));
 }
 
-TEST(FarPeer, is_asked_only_within_its_allowance) {
+TEST(FarPeer, receives_a_request_only_within_its_allowance) {
     FarPeer far{start};
     const auto random = [] { return chance; };
     EXPECT_FALSE(far.question(random, start));
@@ -100,7 +100,7 @@ TEST(FarPeer, is_asked_only_within_its_allowance) {
     EXPECT_TRUE(far.question(random, start));
 }
 
-TEST(FarPeer, is_there_when_it_acknowledges_a_command_that_it_was_sent) {
+TEST(FarPeer, is_confirmed_when_it_acknowledges_a_command_sent_to_it) {
     Far far;
     EXPECT_FALSE(far.hears(acknowledged, start));
     EXPECT_FALSE(far.is_there()) << "nothing was sent yet";
@@ -119,7 +119,7 @@ TEST(FarPeer, may_acknowledge_any_of_the_last_eight_commands) {
     }
 }
 
-TEST(FarPeer, what_it_acknowledges_too_late_or_with_other_checks_proves_nothing) {
+TEST(FarPeer, is_not_confirmed_by_a_late_acknowledgement_or_one_with_a_wrong_checksum) {
     Far late, wrong, telemetry;
     late.was_sent(command, start);
     late.hears(acknowledged, start + 10s + 1ns);
@@ -133,7 +133,7 @@ TEST(FarPeer, what_it_acknowledges_too_late_or_with_other_checks_proves_nothing)
     EXPECT_FALSE(telemetry.is_there()) << "nobody acknowledges that, and anybody may know it";
 }
 
-TEST(FarPeer, has_few_guesses_at_the_checks_of_a_command) {
+TEST(FarPeer, has_few_attempts_to_guess_the_checksum_of_a_command) {
     Far far;
     far.was_sent(command, start);
     for (std::uint8_t n = 0; n < FarPeer::max_wrong_acknowledgements; ++n)

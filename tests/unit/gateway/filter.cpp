@@ -24,7 +24,7 @@ TEST(Filter, empty_passes_all) {
     EXPECT_TRUE(all.passes(0xFF, 0xFF, 0xFF));
 }
 
-TEST(Filter, allowed_alone_pass) {
+TEST(Filter, passes_only_allowed_frames) {
     const Filter ids = filter([](auto& s) { s.allow = {{0x01, 0x0F}, {0xFF, 0xFF}}; });
     EXPECT_TRUE(ids.passes(1, 2, 0x01) && ids.passes(1, 2, 0x0F) && ids.passes(1, 2, 0xFF));
     EXPECT_FALSE(ids.passes(1, 2, 0x00) || ids.passes(1, 2, 0x10) || ids.passes(1, 2, 0xFE));
@@ -36,7 +36,7 @@ TEST(Filter, allowed_alone_pass) {
     EXPECT_FALSE(destinations.passes(0xFE, 0xFF, 0xFE));
 }
 
-TEST(Filter, denied_do_not_pass_whatever_allows_them) {
+TEST(Filter, denies_frames_even_if_they_are_allowed) {
     const Filter ids = filter([](auto& s) {
         s.allow = {{0x10, 0x1F}};
         s.deny = {{0x13, 0x14}};
@@ -51,7 +51,7 @@ TEST(Filter, denied_do_not_pass_whatever_allows_them) {
     EXPECT_FALSE(destinations.passes(1, 0xFF, 1));
 }
 
-TEST(Rules, of_a_link_whose_devices_choke_on_it_keep_back_what_has_no_data) {
+TEST(Rules, drop_outgoing_frames_without_data_on_a_link_that_does_not_accept_them) {
     const auto empty = support::frame(0xFE, 0xDC, 0xFB);
     const auto full = support::frame(0xFE, 0xDC, 0xFB, {0});
     Rules rules{{}, false};
@@ -62,7 +62,7 @@ TEST(Rules, of_a_link_whose_devices_choke_on_it_keep_back_what_has_no_data) {
     EXPECT_EQ(others.refusal(ano::FrameView{empty}, 1, {}), nullptr);
 }
 
-TEST(Limit, is_spaced_and_saves_nothing_up) {
+TEST(Limit, spaces_frames_and_allows_no_burst) {
     Limit limit;
     limit.set(0x01, 50);
     ano::TimePoint now{};
@@ -85,7 +85,7 @@ TEST(Limit, holds_for_its_id_alone) {
     EXPECT_TRUE(limit.passes(0x01, now + 2s));
 }
 
-TEST(Limit, a_second_of_frames_at_any_rate_is_at_most_the_limit) {
+TEST(Limit, passes_at_most_the_limit_per_second_at_any_rate) {
     for (const int offered : {10, 49, 50, 51, 99, 100, 333, 5000}) {
         Limit limit;
         limit.set(0x01, 50);

@@ -5,7 +5,7 @@ namespace forwarder_tests {
 
 using namespace forwarding;
 
-TEST_F(Forwarding, a_frame_goes_from_its_arrival_to_its_offers) {
+TEST_F(Forwarding, a_received_frame_is_offered_to_its_channels) {
     Channel& device = add();
     Channel& ground = add();
     Channel& other = add();
@@ -18,7 +18,7 @@ TEST_F(Forwarding, a_frame_goes_from_its_arrival_to_its_offers) {
     EXPECT_EQ(device.heard_at, now);
 }
 
-TEST_F(Forwarding, what_nobody_takes_is_counted_and_told) {
+TEST_F(Forwarding, frames_without_a_receiver_are_counted_and_reported) {
     Channel& device = add();
     add_with([](ForwarderLink& link) { link.route.flood = link.route.broadcast = false; });
     EXPECT_EQ(told(device, telemetry), (Lines{"received 0", "dropped 0 no_route"}));
@@ -28,7 +28,7 @@ TEST_F(Forwarding, what_nobody_takes_is_counted_and_told) {
     EXPECT_TRUE(forwarder.traffic(device.link).untaken.duration(now));
 }
 
-TEST_F(Forwarding, what_only_dead_wires_get_for_a_host_has_no_taker) {
+TEST_F(Forwarding, frames_for_a_host_that_reach_only_links_that_are_down_have_no_receiver) {
     Channel& device = add();
     Channel& ground = add();
     receive(ground, frame(host, all, 0xE0, {0, 0, 0}));
@@ -49,7 +49,7 @@ TEST_F(Forwarding, what_only_dead_wires_get_for_a_host_has_no_taker) {
     EXPECT_FALSE(forwarder.traffic(device.link).untaken.duration(now));
 }
 
-TEST_F(Forwarding, what_is_for_a_link_without_a_channel_is_counted_there) {
+TEST_F(Forwarding, frames_for_a_link_without_a_channel_are_counted_at_that_link) {
     Channel& ground = add();
     const LinkId absent = forwarder.add_link({});
     forwarder.pin(fc, fc, absent);
@@ -59,7 +59,7 @@ TEST_F(Forwarding, what_is_for_a_link_without_a_channel_is_counted_there) {
     EXPECT_EQ(ground.routed.no_route, 0u);
 }
 
-TEST_F(Forwarding, what_the_outbox_does_not_take_is_told) {
+TEST_F(Forwarding, frames_that_the_outbox_refuses_are_reported) {
     Channel& device = add();
     Channel& small = add_with([](ForwarderLink& link) { link.outbox.max_data = 3; });
     EXPECT_EQ(told(device, telemetry), (Lines{"received 0", "offered 1"})) << "exactly max_data";
@@ -90,7 +90,7 @@ TEST_F(Forwarding, exactly_max_data_passes_every_rewriting) {
 }
 
 // A filter applies to the received frames of a link, so it counts before the switch; neither counts looped or duplicate frames.
-TEST_F(Forwarding, of_several_steps_the_first_counts) {
+TEST_F(Forwarding, a_dropped_frame_is_counted_at_the_first_step_that_drops_it) {
     const auto guarded = [](ForwarderLink& link) {
         link.rules.receive = without(0xC0);
         link.route.group = 1;
@@ -115,7 +115,7 @@ TEST_F(Forwarding, of_several_steps_the_first_counts) {
     EXPECT_EQ(radio.routed.no_route, 0u);
 }
 
-TEST_F(Forwarding, what_is_kept_back_teaches_no_address) {
+TEST_F(Forwarding, filtered_frames_teach_no_address) {
     Channel& ground = add();
     Channel& device = add_with([](ForwarderLink& link) { link.rules.receive = without(0x03); });
     Channel& other = add();
@@ -128,7 +128,7 @@ TEST_F(Forwarding, what_is_kept_back_teaches_no_address) {
     EXPECT_EQ(other.sent().offered, 1u);
 }
 
-TEST_F(Forwarding, a_frame_for_several_channels_of_a_link_is_one_for_its_limits) {
+TEST_F(Forwarding, a_frame_for_several_channels_of_a_link_counts_once_for_its_limits) {
     Channel& device = add();
     Channel& first = add_with([](ForwarderLink& link) { link.rules.limit = {{0x03, 1}}; });
     Channel& second = *forwarder.open_channel(first.link, "peer", now);
@@ -140,7 +140,7 @@ TEST_F(Forwarding, a_frame_for_several_channels_of_a_link_is_one_for_its_limits)
     EXPECT_EQ(first.sent().limited + second.sent().limited, 2u);
 }
 
-TEST_F(Forwarding, what_came_stale_counts_for_no_limit) {
+TEST_F(Forwarding, frames_received_stale_do_not_count_for_a_limit) {
     Channel& device = add();
     Channel& slow = add_with([](ForwarderLink& link) { link.rules.limit = {{0x03, 1}}; });
     device.arrived_at = now - 2s;
@@ -151,7 +151,7 @@ TEST_F(Forwarding, what_came_stale_counts_for_no_limit) {
     EXPECT_EQ(told(device, frame(fc, all, 0x03, {4})), (Lines{"received 0", "offered 1"}));
 }
 
-TEST_F(Forwarding, what_waited_to_be_read_is_as_much_older_in_the_queue) {
+TEST_F(Forwarding, time_spent_waiting_to_be_read_counts_to_the_age_in_the_queue) {
     Channel& device = add();
     Channel& ground = add();
     device.arrived_at = now - 700ms;
@@ -162,7 +162,7 @@ TEST_F(Forwarding, what_waited_to_be_read_is_as_much_older_in_the_queue) {
 }
 
 // If an unknown sender replaced a host, only frames of hosts justify a question.
-TEST_F(Forwarding, a_channel_knows_whether_a_host_spoke_to_it) {
+TEST_F(Forwarding, a_channel_records_whether_a_host_sent_to_it) {
     Channel& a = add();
     Channel& b = add();
     receive(a, telemetry);
@@ -174,7 +174,7 @@ TEST_F(Forwarding, a_channel_knows_whether_a_host_spoke_to_it) {
     EXPECT_TRUE(b.hosts_spoke) << "for good";
 }
 
-TEST_F(Forwarding, a_filter_counts_what_it_keeps_from_leaving) {
+TEST_F(Forwarding, a_filter_counts_the_frames_that_it_drops) {
     Channel& device = add();
     Channel& ground = add_with([](ForwarderLink& link) {
         link.rules.send = without(0x03);
@@ -186,7 +186,7 @@ TEST_F(Forwarding, a_filter_counts_what_it_keeps_from_leaving) {
     EXPECT_EQ(ground.sent().denied_out, 2u);
 }
 
-TEST_F(Forwarding, an_alias_is_known_by_it_and_its_own_id_is_kept_from_it) {
+TEST_F(Forwarding, an_aliased_device_is_reached_by_its_alias_only) {
     Channel& aliased = add_with([](ForwarderLink& link) { link.aliases = {{fc, 31}}; });
     Channel& ground = add();
     receive(aliased, telemetry);
@@ -197,7 +197,7 @@ TEST_F(Forwarding, an_alias_is_known_by_it_and_its_own_id_is_kept_from_it) {
     EXPECT_EQ(taken(aliased), Frames{frame(host, fc, 0xC0, {1})});
 }
 
-TEST_F(Forwarding, a_source_is_elsewhere_where_it_is_not_at_home_by_the_id_that_others_see) {
+TEST_F(Forwarding, a_source_is_elsewhere_if_its_visible_id_is_learned_or_pinned_on_another_link) {
     Channel& aliased = add_with([](ForwarderLink& link) { link.aliases = {{fc, 31}}; });
     Channel& home = add();
     Channel& stranger = add();
@@ -212,7 +212,7 @@ TEST_F(Forwarding, a_source_is_elsewhere_where_it_is_not_at_home_by_the_id_that_
     EXPECT_FALSE(forwarder.is_elsewhere(own, fc));
 }
 
-TEST_F(Forwarding, a_copy_is_told_by_its_bytes_before_its_alias) {
+TEST_F(Forwarding, a_copy_is_recognized_by_its_bytes_before_the_alias_is_applied) {
     const auto grouped = [](ForwarderLink& link) { link.route.group = 1; };
     Channel& radio = add_with([&](ForwarderLink& link) {
         grouped(link);
@@ -224,7 +224,7 @@ TEST_F(Forwarding, a_copy_is_told_by_its_bytes_before_its_alias) {
     EXPECT_EQ(told(wifi, telemetry), (Lines{"received 1", "dropped 1 duplicate"}));
 }
 
-TEST_F(Forwarding, hosts_of_a_group_have_one_address_and_their_answers_come_by_any_of_its_links) {
+TEST_F(Forwarding, hosts_of_a_group_share_one_address_and_get_answers_by_any_of_its_links) {
     const auto presented = [](std::uint8_t port) {
         return [port](ForwarderLink& link) {
             link.route.group = 1;
@@ -247,7 +247,7 @@ TEST_F(Forwarding, hosts_of_a_group_have_one_address_and_their_answers_come_by_a
     EXPECT_EQ(taken(ground), Frames{frame(fc, user, 0xE1, {5, 0, 1})});
 }
 
-TEST_F(Forwarding, an_answer_is_known_again_as_it_went_to_its_asker) {
+TEST_F(Forwarding, an_answer_that_returns_is_recognized_in_its_rewritten_form) {
     constexpr std::uint8_t ros = 0xD2;
     Channel& ground = add();
     Channel& radio = add_with([](ForwarderLink& link) { link.present_as = host; });
@@ -293,7 +293,7 @@ TEST_F(Forwarding, a_group_passes_the_acknowledgement_of_each_command) {
     }
 }
 
-TEST_F(Forwarding, what_waits_ages_while_the_machine_sleeps) {
+TEST_F(Forwarding, waiting_frames_age_while_the_machine_sleeps) {
     Channel& device = add();
     Channel& ground = add();
     receive(device, telemetry);
@@ -302,7 +302,7 @@ TEST_F(Forwarding, what_waits_ages_while_the_machine_sleeps) {
     EXPECT_EQ(ground.sent().stale, 1u);
 }
 
-TEST_F(Forwarding, a_group_whose_peer_refuses_goes_by_another_until_it_is_heard) {
+TEST_F(Forwarding, a_group_uses_another_link_after_a_peer_refuses_until_that_peer_sends_again) {
     const auto grouped = [](ForwarderLink& link) { link.route.group = 1; };
     Channel& ground = add();
     Channel& wifi = add_with(grouped);
@@ -318,7 +318,7 @@ TEST_F(Forwarding, a_group_whose_peer_refuses_goes_by_another_until_it_is_heard)
     EXPECT_EQ(told(ground, frame(host, fc, 0xC0, {5})), (Lines{"received 0", "offered 1"}));
 }
 
-TEST_F(Forwarding, what_comes_back_by_a_known_ring_ends) {
+TEST_F(Forwarding, frames_that_return_by_a_known_loop_are_dropped) {
     Channel& a = add();
     Channel& b = add();
     const Bytes order = frame(host, all, 0xC0, {1});
@@ -334,7 +334,7 @@ TEST_F(Forwarding, what_comes_back_by_a_known_ring_ends) {
     EXPECT_EQ(told(b, order), (Lines{"received 1", "dropped 1 looped"}));
 }
 
-TEST_F(Forwarding, a_copy_that_waited_to_be_read_is_one_however_late_that_is) {
+TEST_F(Forwarding, a_copy_that_waited_to_be_read_is_recognized_however_late_it_is_read) {
     Channel& a = add();
     Channel& b = add();
     add();
@@ -348,7 +348,7 @@ TEST_F(Forwarding, a_copy_that_waited_to_be_read_is_one_however_late_that_is) {
     EXPECT_EQ(forwarder.router().learned(fc, a.arrived_at).links, LinkSet{a.link}) << "it teaches nothing";
 }
 
-TEST_F(Forwarding, a_copy_that_ends_says_that_its_source_is_still_there) {
+TEST_F(Forwarding, a_dropped_copy_renews_the_last_heard_time_of_its_source) {
     const auto grouped = [](ForwarderLink& link) { link.route.group = 1; };
     add();
     Channel& radio = add_with(grouped);
@@ -361,7 +361,7 @@ TEST_F(Forwarding, a_copy_that_ends_says_that_its_source_is_still_there) {
     EXPECT_EQ(forwarder.router().heard_at(fc, wifi.id), now);
 }
 
-TEST_F(Forwarding, anothers_probe_goes_on_as_it_is) {
+TEST_F(Forwarding, a_probe_of_another_gateway_is_forwarded_unchanged) {
     Channel& a = add();
     add_with([](ForwarderLink& link) {
         link.rules.limit = {{0xC0, 1}};
@@ -376,7 +376,7 @@ TEST_F(Forwarding, anothers_probe_goes_on_as_it_is) {
     EXPECT_EQ(diary.last, probe);
 }
 
-TEST_F(Forwarding, a_holder_is_asked_before_its_address_moves) {
+TEST_F(Forwarding, the_holder_of_an_address_is_queried_before_the_address_moves) {
     Channel& home = add();
     Channel& thief = add();
     receive(home, telemetry);
@@ -398,7 +398,7 @@ TEST_F(Forwarding, a_holder_is_asked_before_its_address_moves) {
     EXPECT_FALSE(forwarder.take_conflict());
 }
 
-TEST_F(Forwarding, a_refused_claim_is_a_conflict_and_names_its_peer_for_good) {
+TEST_F(Forwarding, a_refused_claim_is_a_conflict_that_names_its_peer_even_after_the_channel_closes) {
     Channel& home = add();
     const LinkId udp = forwarder.add_link({});
     Channel& thief = *forwarder.open_channel(udp, "10.0.0.9:5", now);
@@ -419,7 +419,7 @@ TEST_F(Forwarding, a_refused_claim_is_a_conflict_and_names_its_peer_for_good) {
     EXPECT_FALSE(forwarder.take_conflict()) << "once";
 }
 
-TEST_F(Forwarding, one_question_too_many_waits_for_its_answer_or_its_time) {
+TEST_F(Forwarding, requests_beyond_the_limit_wait_for_an_answer_or_a_timeout) {
     Channel& ground = add();
     Channel& device = add_with([](ForwarderLink& link) { link.takes_few_questions = true; });
     receive(device, telemetry);
@@ -442,7 +442,7 @@ TEST_F(Forwarding, one_question_too_many_waits_for_its_answer_or_its_time) {
     EXPECT_EQ(device.waiting(), 0u);
 }
 
-TEST_F(Forwarding, speaks_first_where_nothing_is_heard) {
+TEST_F(Forwarding, sends_a_hello_where_nothing_is_received) {
     const auto speaks = [](ForwarderLink& link) { link.hello = 2s; };
     Channel& first = add_with(speaks);
     const TimePoint up = now - 1ms;
@@ -468,7 +468,7 @@ TEST_F(Forwarding, speaks_first_where_nothing_is_heard) {
     EXPECT_FALSE(forwarder.hello_due()) << "at the end";
 }
 
-TEST_F(Forwarding, what_the_gateway_says_teaches_no_address_and_is_ruled) {
+TEST_F(Forwarding, frames_of_the_gateway_teach_no_address_and_obey_the_rules) {
     Channel& device = add_with([](ForwarderLink& link) { link.rules.limit = {{0xE0, 1}}; });
     const auto question = device_info_question(fc);
     diary.take();
@@ -478,7 +478,7 @@ TEST_F(Forwarding, what_the_gateway_says_teaches_no_address_and_is_ruled) {
     EXPECT_EQ(forwarder.router().learned(host, now).links, LinkSet{});
 }
 
-TEST_F(Forwarding, sixty_four_channels_and_no_more) {
+TEST_F(Forwarding, opens_at_most_64_channels) {
     const LinkId link = forwarder.add_link({});
     std::vector<Channel*> channels;
     for (std::size_t n = 0; n < max_channels; ++n) channels.push_back(forwarder.open_channel(link, "", now));
@@ -488,7 +488,7 @@ TEST_F(Forwarding, sixty_four_channels_and_no_more) {
     EXPECT_EQ(index(forwarder.open_channel(link, "", now)->id), 5u);
 }
 
-TEST_F(Forwarding, observers_come_and_go) {
+TEST_F(Forwarding, observers_can_be_added_and_removed) {
     Channel& device = add();
     add();
     Diary second;
@@ -504,7 +504,7 @@ TEST_F(Forwarding, observers_come_and_go) {
     EXPECT_TRUE(second.take().empty());
 }
 
-TEST_F(Forwarding, zero_bytes_go_where_the_next_frame_will_leave) {
+TEST_F(Forwarding, zero_bytes_are_sent_where_the_next_frame_will_be_sent) {
     const auto uart = [](ForwarderLink& link) {
         link.outbox.flush_bytes = 206;
         link.parser.line_rate = 11520;
@@ -532,7 +532,7 @@ TEST_F(Forwarding, zero_bytes_go_where_the_next_frame_will_leave) {
     EXPECT_EQ(refuses.outbox.zeros(), 0u) << "the frame may not leave there";
 }
 
-TEST_F(Forwarding, what_waits_for_a_link_in_exclusive_use_is_dropped) {
+TEST_F(Forwarding, frames_that_wait_for_a_link_in_exclusive_use_are_dropped) {
     Channel& device = add_with([](ForwarderLink& link) { link.takes_few_questions = true; });
     Channel& ground = add();
     receive(device, telemetry);
@@ -551,7 +551,7 @@ TEST_F(Forwarding, what_waits_for_a_link_in_exclusive_use_is_dropped) {
     EXPECT_EQ(taken(device).size(), 1u);
 }
 
-TEST_F(Forwarding, zero_bytes_do_not_go_where_a_command_to_an_unknown_device_may_not) {
+TEST_F(Forwarding, zero_bytes_are_not_sent_where_a_command_to_an_unknown_device_is_not_allowed) {
     const auto uart = [](ForwarderLink& link) {
         link.outbox.flush_bytes = 206;
         link.parser.line_rate = 11520;
@@ -582,7 +582,7 @@ TEST_F(Forwarding, a_device_that_has_answered_for_another_address_gets_no_more_c
 }
 
 // The configured class of an id applies to its queues, its age and the guards against loops and duplicates, and can be changed.
-TEST_F(Forwarding, a_frame_of_a_configured_class_leaves_as_one_of_that_class) {
+TEST_F(Forwarding, a_frame_with_a_configured_class_is_sent_as_one_of_that_class) {
     Channel& host_link = add();
     Channel& device = add();
     receive(device, frame(fc, all, 0xE3, {1}));

@@ -63,7 +63,7 @@ TEST_F(Removed, a_link_leaves_no_rules_to_the_next) {
     EXPECT_EQ(taken(plain), Frames{frame(host, 31, 0xC0, {1})});
 }
 
-TEST_F(Removed, a_link_that_is_unknowns_way_is_it_no_more) {
+TEST_F(Removed, a_link_for_unknown_addresses_no_longer_receives_their_frames) {
     GatewaySettings settings;
     settings.unknown = Unknown::link;
     Forwarder to_one{settings, 8};
@@ -81,7 +81,7 @@ TEST_F(Removed, a_link_that_is_unknowns_way_is_it_no_more) {
     EXPECT_EQ(from.routed.no_route, 1u);
 }
 
-TEST_F(Removed, the_next_may_say_what_the_one_before_said_and_was_told) {
+TEST_F(Removed, the_next_link_may_send_frames_that_the_removed_one_sent_and_received) {
     Channel& device = add();
     Channel& ground = add();
     Channel& third = add();
@@ -95,7 +95,7 @@ TEST_F(Removed, the_next_may_say_what_the_one_before_said_and_was_told) {
     EXPECT_EQ(told(add(), telemetry), (Lines{"received 0", "offered 1", "offered 2"}));
 }
 
-TEST_F(Removed, the_next_of_its_number_and_group_brings_copies_of_what_it_brought) {
+TEST_F(Removed, frames_of_a_link_are_duplicates_on_the_next_link_with_its_number_and_group) {
     const auto grouped = [](ForwarderLink& link) { link.route.group = 1; };
     add();
     Channel& radio = add_with(grouped);
@@ -107,7 +107,7 @@ TEST_F(Removed, the_next_of_its_number_and_group_brings_copies_of_what_it_brough
     EXPECT_EQ(told(next, telemetry), (Lines{"received 1", "dropped 1 duplicate"}));
 }
 
-TEST_F(Removed, its_port_is_an_address_like_any_to_those_who_share_the_address_of_hosts) {
+TEST_F(Removed, its_port_id_becomes_an_ordinary_address_for_links_that_share_the_host_address) {
     const auto presented = [](std::uint8_t port) {
         return [=](ForwarderLink& link) {
             link.route.group = 1;
@@ -211,7 +211,7 @@ TEST_F(Removed, a_link_leaves_no_conflict_to_the_next) {
     EXPECT_FALSE(forwarder.take_conflict()) << "the next has not said anything";
 }
 
-TEST_F(Removed, a_link_is_nobodys_claimant) {
+TEST_F(Removed, a_link_is_no_longer_a_claimant) {
     Channel& one = add();
     Channel& two = add();
     receive(one, frame(fc, all, 0x03, {1}));
@@ -225,7 +225,7 @@ TEST_F(Removed, a_link_is_nobodys_claimant) {
     EXPECT_EQ(forwarder.claimant(conflicts[0]), nullptr);
 }
 
-TEST_F(Removed, what_a_channel_received_stays_counted) {
+TEST_F(Removed, frames_received_by_a_closed_channel_stay_counted) {
     Channel& device = add();
     Channel& ground = add();
     close_loop(device, ground);
@@ -236,7 +236,7 @@ TEST_F(Removed, what_a_channel_received_stays_counted) {
     EXPECT_EQ(forwarder.traffic(link).gone_received.looped, 2u) << "and its probe";
 }
 
-TEST_F(Removed, a_channel_that_was_to_be_flushed_is_not) {
+TEST_F(Removed, a_channel_is_not_flushed) {
     Channel& device = add();
     Channel& ground = add();
     receive(device, telemetry);
@@ -248,7 +248,7 @@ TEST_F(Removed, a_channel_that_was_to_be_flushed_is_not) {
 
 // Settings that change while frames pass.
 
-TEST_F(Removed, a_route_ends_without_its_link) {
+TEST_F(Removed, a_pinned_route_ends_while_its_link_stays) {
     Channel& ground = add();
     Channel& device = add_with([](ForwarderLink& link) { link.aliases = {{0xDE, 31}}; });
     add();
@@ -258,7 +258,7 @@ TEST_F(Removed, a_route_ends_without_its_link) {
     EXPECT_EQ(told(ground, frame(host, 31, 0xC0, {1})), (Lines{"received 0", "offered 1"})) << "its alias stays";
 }
 
-TEST_F(Removed, the_gateway_has_other_settings_and_forgets_nobody) {
+TEST_F(Removed, changed_settings_of_the_gateway_apply_and_keep_learned_addresses) {
     Channel& ground = add();
     Channel& device = add();
     add();

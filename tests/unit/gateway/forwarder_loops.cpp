@@ -57,7 +57,7 @@ protected:
     std::size_t handled = 0, probes = 0;
 };
 
-TEST_F(Loops, without_one_nothing_is_dropped_or_delayed_however_often_it_is_repeated) {
+TEST_F(Loops, are_not_assumed_for_repeated_frames_and_none_is_dropped_or_delayed) {
     bridge.joined = false;
     constexpr int frames = 3000;
     for (int n = 0; n < frames; ++n) {
@@ -128,7 +128,7 @@ TEST_F(Loops, that_return_no_probes_are_cut_by_the_sum_of_slow_frames) {
     for (int n = 200; n < 1000; ++n) EXPECT_EQ(reached[state(fc, n)], 1) << n;
 }
 
-TEST_F(Loops, are_not_what_three_boards_with_one_id_are) {
+TEST_F(Loops, are_not_assumed_for_three_boards_with_one_id) {
     bridge.joined = false;
     int sent = 0;
     for (int n = 0; n < 1000; ++n) {

@@ -31,7 +31,7 @@ protected:
     Taker taker;
 };
 
-TEST_F(OwnFrames, are_those_for_its_id_and_for_everybody) {
+TEST_F(OwnFrames, are_those_for_its_id_and_broadcasts) {
     Channel& ground = add();
     Channel& device = add();
     const Bytes question = frame(host, self, 0xE0, {0, 0, 0}), to_all = frame(host, all, 0xE0, {0, 0, 0});
@@ -46,7 +46,7 @@ TEST_F(OwnFrames, are_those_for_its_id_and_for_everybody) {
     EXPECT_EQ(taker.frames.size(), 3u);
 }
 
-TEST_F(OwnFrames, that_a_filter_or_a_switch_keeps_back_do_not_reach_it) {
+TEST_F(OwnFrames, that_a_filter_or_a_switch_drops_do_not_reach_the_gateway) {
     Channel& filtered = add_with([](ForwarderLink& link) { link.rules.receive = without(0xE1); });
     Channel& inhibited = add();
     forwarder.inhibit().set(forwarder.inhibit().add(LinkSet{inhibited.link}), true);
@@ -58,7 +58,7 @@ TEST_F(OwnFrames, that_a_filter_or_a_switch_keeps_back_do_not_reach_it) {
     EXPECT_EQ(taker.frames.size(), 1u) << "a question changes nothing";
 }
 
-TEST_F(OwnFrames, of_the_control_interface_reach_it_as_well) {
+TEST_F(OwnFrames, of_the_control_interface_reach_the_gateway_too) {
     const LinkId control = forwarder.add_link({});
     Channel own{ourselves, control, "", ano::FrameParser::Options{}, Outbox::Options{ano::overhead, 0}, now};
     const Bytes question = frame(host, self, 0xE0, {0, 0, 0});
@@ -69,7 +69,7 @@ TEST_F(OwnFrames, of_the_control_interface_reach_it_as_well) {
 }
 
 // RS-485, or a single wire: the receiver is not muted while it sends.
-TEST_F(OwnFrames, that_a_line_echoes_are_no_frames_of_another_host) {
+TEST_F(OwnFrames, that_a_line_echoes_do_not_count_as_frames_of_another_host) {
     Channel& line = add();
     Channel& ground = add();
     const LinkId control = forwarder.add_link({});
@@ -93,7 +93,7 @@ TEST_F(OwnFrames, that_a_line_echoes_are_no_frames_of_another_host) {
     EXPECT_FALSE(line.echo.echoes(now));
 }
 
-TEST_F(OwnFrames, the_same_question_of_a_host_on_that_line_is_no_echo) {
+TEST_F(OwnFrames, the_same_request_from_a_host_on_that_line_is_not_an_echo) {
     Channel& line = add();
     Channel& device = add();
     const LinkId control = forwarder.add_link({});
@@ -154,7 +154,7 @@ TEST(Nobodies, on_two_links_are_neither_one_device_nor_a_loop) {
     }
 }
 
-TEST_F(OwnFrames, answers_go_to_who_asked_alone_pass_the_rules_and_teach_no_address) {
+TEST_F(OwnFrames, answers_are_sent_only_to_the_requester_obey_the_rules_and_teach_no_address) {
     Channel& ground = add();
     Channel& other = add();
     Channel& strict = add_with([](ForwarderLink& link) { link.rules.send = without(0xE3); });
@@ -171,7 +171,7 @@ TEST_F(OwnFrames, answers_go_to_who_asked_alone_pass_the_rules_and_teach_no_addr
     EXPECT_EQ(told(other, answer).at(1), "dropped 1 looped") << "it came round";
 }
 
-TEST_F(OwnFrames, lines_for_hosts_go_where_one_was_heard_and_nowhere_else) {
+TEST_F(OwnFrames, log_lines_for_hosts_are_sent_only_where_a_host_was_received) {
     Channel& ground = add();
     Channel& device = add();
     Channel& tablet = add();

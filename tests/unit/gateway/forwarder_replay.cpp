@@ -18,7 +18,7 @@ protected:
     }
 };
 
-TEST_F(Replayed, frames_go_where_they_would_and_teach_nothing) {
+TEST_F(Replayed, frames_are_forwarded_normally_and_teach_no_address) {
     receive(replay, telemetry);
     EXPECT_EQ(taken(ground), Frames{telemetry});
     EXPECT_EQ(taken(live), Frames{telemetry});
@@ -30,7 +30,7 @@ TEST_F(Replayed, frames_go_where_they_would_and_teach_nothing) {
     EXPECT_TRUE(taken(replay).empty());
 }
 
-TEST_F(Replayed, link_knows_who_spoke_in_it_and_no_other_link_does) {
+TEST_F(Replayed, sources_are_recorded_at_the_replay_link_only) {
     receive(replay, telemetry);
     receive(live, frame(0x30, all, 0x03, {1}));
     EXPECT_TRUE(forwarder.traffic(replay.link).replayed.test(fc));
@@ -38,7 +38,7 @@ TEST_F(Replayed, link_knows_who_spoke_in_it_and_no_other_link_does) {
     EXPECT_TRUE(forwarder.traffic(live.link).replayed.none());
 }
 
-TEST_F(Replayed, a_device_that_is_alive_has_its_address_from_its_first_frame_on_though_it_says_the_very_same) {
+TEST_F(Replayed, a_live_device_gets_its_address_with_its_first_frame_even_if_a_replay_sent_the_same) {
     receive(replay, telemetry);
     receive(live, telemetry);
     EXPECT_TRUE(is_behind(fc, live));
@@ -51,7 +51,7 @@ TEST_F(Replayed, a_device_that_is_alive_has_its_address_from_its_first_frame_on_
     EXPECT_TRUE(taken(replay).empty());
 }
 
-TEST_F(Replayed, no_frame_of_a_device_that_is_alive_is_lost_to_a_replay_of_the_same) {
+TEST_F(Replayed, frames_do_not_cause_drops_of_the_same_frames_of_a_live_device) {
     std::size_t heard = 0;
     for (int i = 0; i < 200; ++i, now += 20ms) {
         receive(i % 2 == 0 ? replay : live, telemetry);
@@ -63,7 +63,7 @@ TEST_F(Replayed, no_frame_of_a_device_that_is_alive_is_lost_to_a_replay_of_the_s
     EXPECT_EQ(heard, 200u);
 }
 
-TEST_F(Replayed, is_no_conflict_with_who_speaks_now) {
+TEST_F(Replayed, frames_do_not_conflict_with_a_live_device) {
     for (int i = 0; i < 100; ++i, now += 50ms) {
         receive(live, frame(fc, all, 0x03, {static_cast<std::uint8_t>(i)}));
         receive(replay, frame(fc, all, 0x03, {static_cast<std::uint8_t>(i)}));
@@ -74,21 +74,21 @@ TEST_F(Replayed, is_no_conflict_with_who_speaks_now) {
     EXPECT_TRUE(is_behind(fc, live));
 }
 
-TEST_F(Replayed, that_is_pinned_elsewhere_is_no_conflict_either) {
+TEST_F(Replayed, frames_of_a_device_pinned_elsewhere_cause_no_conflict) {
     forwarder.pin(fc, fc, live.link);
     receive(replay, telemetry);
     EXPECT_TRUE(forwarder.router().conflicts(now).empty());
     EXPECT_EQ(taken(ground), Frames{telemetry});
 }
 
-TEST_F(Replayed, a_switch_keeps_off_what_commands_a_vehicle) {
+TEST_F(Replayed, a_switch_drops_frames_that_command_a_vehicle) {
     const std::size_t inhibit = forwarder.inhibit().add(LinkSet{replay.link});
     EXPECT_EQ(told(replay, command), (Lines{"received 0", "dropped 0 inhibited"}));
     forwarder.inhibit().set(inhibit, false);
     EXPECT_EQ(told(replay, command), (Lines{"received 0", "offered 1", "offered 2"}));
 }
 
-TEST_F(Replayed, is_no_answer_to_a_question_of_now) {
+TEST_F(Replayed, frames_do_not_count_as_answers_to_current_requests) {
     class Asks final : public Forwarder::Observer {
     public:
         void received(const Channel&, ano::FrameView, TimePoint) override {}
@@ -106,7 +106,7 @@ TEST_F(Replayed, is_no_answer_to_a_question_of_now) {
 }
 
 // Two links to one other gateway, which returns on each the frames that it received on the other.
-TEST_F(Replayed, in_a_ring_it_does_not_go_round) {
+TEST_F(Replayed, frames_do_not_circulate_in_a_loop) {
     std::size_t round = 0;
     for (int i = 0; i < 50; ++i) {
         receive(replay, frame(fc, all, 0x03, {static_cast<std::uint8_t>(i)}));

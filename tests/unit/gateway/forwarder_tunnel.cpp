@@ -59,7 +59,7 @@ TEST_F(Tunnelled, a_tunnel_frame_of_a_device_ends_at_the_tunnel) {
     EXPECT_EQ(port.carried, 1);
 }
 
-TEST_F(Tunnelled, a_firmware_frame_that_is_refused_pauses_no_hello) {
+TEST_F(Tunnelled, a_refused_firmware_frame_does_not_pause_the_hello) {
     Forwarder own{{}, 8};
     const LinkId from = own.add_link({});
     ForwarderLink asked;
@@ -81,7 +81,7 @@ TEST_F(Tunnelled, a_firmware_frame_that_is_refused_pauses_no_hello) {
     EXPECT_EQ(own.hello_due(), *due + 2s);
 }
 
-TEST_F(Tunnelled, a_link_that_gets_the_number_of_one_that_was_carried_is_not) {
+TEST_F(Tunnelled, a_new_link_with_the_number_of_a_tunnelled_link_is_not_tunnelled) {
     const LinkId number = device.link;
     forwarder.remove_link(number);
     Channel& next = add();
@@ -90,7 +90,7 @@ TEST_F(Tunnelled, a_link_that_gets_the_number_of_one_that_was_carried_is_not) {
     EXPECT_EQ(port.carried, 0);
 }
 
-TEST_F(Tunnelled, a_switch_holds_for_what_a_device_sends_inside_a_tunnel_frame) {
+TEST_F(Tunnelled, a_switch_applies_to_frames_inside_a_tunnel_frame_of_a_device) {
     forwarder.inhibit().add(LinkSet{device.link});
     EXPECT_EQ(told(device, around(fc, 0xE6, telemetry + command)), (Lines{"received 0", "dropped 0 inhibited"}));
     EXPECT_EQ(port.left, Frames{telemetry});
@@ -101,7 +101,7 @@ TEST_F(Tunnelled, a_switch_holds_for_what_a_device_sends_inside_a_tunnel_frame) 
     EXPECT_EQ(device.routed.inhibited, 3u);
 }
 
-TEST_F(Tunnelled, what_is_inside_meets_the_rules_of_both_links) {
+TEST_F(Tunnelled, inner_frames_obey_the_rules_of_both_links) {
     receive(device, around(fc, 0xE6, frame(fc, all, 0x07, {1}) + telemetry));
     EXPECT_EQ(port.left, Frames{telemetry});
     EXPECT_EQ(forwarder.traffic(way.link).gone_sent.denied_out, 1u);
@@ -112,7 +112,7 @@ TEST_F(Tunnelled, what_is_inside_meets_the_rules_of_both_links) {
     EXPECT_EQ(port.left.size(), 1u);
 }
 
-TEST_F(Tunnelled, what_left_by_the_tunnel_and_comes_back_ends) {
+TEST_F(Tunnelled, frames_that_return_after_leaving_by_the_tunnel_are_dropped) {
     receive(device, around(fc, 0xE6, telemetry));
     receive(way, telemetry);
     Bytes probe;
@@ -125,7 +125,7 @@ TEST_F(Tunnelled, what_left_by_the_tunnel_and_comes_back_ends) {
     EXPECT_EQ(ground.routed.looped, 2u) << "and the probe";
 }
 
-TEST_F(Tunnelled, a_tunnel_frame_out_of_a_tunnel_frame_does_not_leave_by_it_again) {
+TEST_F(Tunnelled, a_tunnel_frame_from_inside_a_tunnel_frame_is_not_sent_back_by_that_tunnel) {
     EXPECT_EQ(told(way, around(0xDD, all, telemetry)), (Lines{"received 2", "offered 0", "offered 1"}));
     EXPECT_EQ(port.nested, 0) << "it would not go back there anyway";
     Channel& second = *forwarder.open_channel(way.link, "peer", now);
@@ -140,7 +140,7 @@ TEST_F(Tunnelled, a_tunnel_frame_out_of_a_tunnel_frame_does_not_leave_by_it_agai
 }
 
 // Frames that could not be wrapped are not counted as sent, and a sent one is one frame for all channels.
-TEST_F(Tunnelled, what_is_wrapped_passes_the_link_of_its_devices) {
+TEST_F(Tunnelled, wrapped_frames_obey_the_rules_of_the_link_of_their_devices) {
     Channel& limited = add_with([](ForwarderLink& link) {
         link.rules.limit = {{0x03, 1}};
         link.rules.receive = without(0x08);
@@ -161,7 +161,7 @@ TEST_F(Tunnelled, what_is_wrapped_passes_the_link_of_its_devices) {
     EXPECT_EQ(forwarder.traffic(LinkId{3}).gone_sent.link_down, 1u);
 }
 
-TEST_F(Tunnelled, a_tunnel_that_is_removed_takes_nothing) {
+TEST_F(Tunnelled, a_removed_tunnel_receives_nothing) {
     forwarder.remove_link(way.link);
     EXPECT_EQ(told(device, around(fc, 0xE6, telemetry)), (Lines{"received 0", "offered 1"}));
     EXPECT_EQ(port.carried, 0);

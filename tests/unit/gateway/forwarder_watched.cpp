@@ -59,7 +59,7 @@ protected:
     Tally tally;
 };
 
-TEST_F(Watched, who_wants_only_some_of_it_is_told_only_that) {
+TEST_F(Watched, an_observer_receives_only_the_events_it_selected) {
     Channel& device = add();
     Channel& taker = add();
     const auto happen = [&] {
@@ -98,14 +98,14 @@ TEST_F(Watched, who_wants_only_some_of_it_is_told_only_that) {
     EXPECT_TRUE(forwarder.is_observed()) << "by the diary";
 }
 
-TEST_F(Watched, a_link_that_is_removed_is_told) {
+TEST_F(Watched, a_removed_link_is_reported) {
     Channel& device = add();
     forwarder.add_observer(tally, {false, false, false});
     forwarder.remove_link(device.link);
     EXPECT_EQ(tally.removals, 1u);
 }
 
-TEST_F(Watched, each_frame_that_was_offered_left_or_was_dropped_for_a_cause) {
+TEST_F(Watched, each_offered_frame_is_sent_or_dropped_with_a_cause) {
     Channel& device = add();
     Channel& slow = add_with([](ForwarderLink& link) { link.outbox.bytes = 4104; });
     slow.outbox.set_congested();
@@ -133,7 +133,7 @@ TEST_F(Watched, each_frame_that_was_offered_left_or_was_dropped_for_a_cause) {
     EXPECT_EQ(tally.out, 1u);
 }
 
-TEST_F(Watched, what_left_is_what_its_receiver_sees) {
+TEST_F(Watched, sent_frames_are_reported_as_the_receiver_sees_them) {
     Channel& device = add();
     Channel& ground = add_with([](ForwarderLink& link) { link.present_as = 0x20; });
     receive(ground, frame(host, fc, 0xC0, {1, 2, 3}));
@@ -142,7 +142,7 @@ TEST_F(Watched, what_left_is_what_its_receiver_sees) {
     EXPECT_EQ(tally.last_left, frame(host, fc, 0xC0, {1, 2, 3}));
 }
 
-TEST_F(Watched, what_passes_is_what_all_others_see_and_what_was_kept_back_does_not) {
+TEST_F(Watched, passed_frames_are_reported_as_other_links_see_them_and_filtered_ones_are_not) {
     Channel& aliased = add_with([](ForwarderLink& link) {
         link.aliases = {{fc, 31}};
         link.rules.receive = without(0x03);
@@ -153,7 +153,7 @@ TEST_F(Watched, what_passes_is_what_all_others_see_and_what_was_kept_back_does_n
     EXPECT_EQ(tally.passed, Frames{frame(31, host, 0xE1, {1, 0, 7})}) << "though nobody takes it";
 }
 
-TEST_F(Watched, an_answer_to_the_gateway_itself_has_a_taker) {
+TEST_F(Watched, an_answer_to_the_gateway_has_a_receiver) {
     Channel& device = add();
     const Bytes answer = frame(fc, host, 0xE1, {1, 0, 7});
     receive(device, answer);
@@ -163,7 +163,7 @@ TEST_F(Watched, an_answer_to_the_gateway_itself_has_a_taker) {
     EXPECT_EQ(device.received().no_route, 1u);
 }
 
-TEST_F(Watched, questions_that_wait_before_the_outbox_are_told_too) {
+TEST_F(Watched, requests_that_wait_for_the_outbox_are_reported_too) {
     Channel& ground = add();
     Channel& few = add_with([](ForwarderLink& link) {
         link.takes_few_questions = true;
@@ -177,7 +177,7 @@ TEST_F(Watched, questions_that_wait_before_the_outbox_are_told_too) {
     expect_as_counted(few);
 }
 
-TEST_F(Watched, a_channel_that_is_opened_later_is_told_of_and_nobody_is_after_the_last_left) {
+TEST_F(Watched, a_later_channel_is_observed_until_the_last_observer_is_removed) {
     Channel& device = add();
     Channel& late = add();
     receive(device, telemetry);
@@ -190,7 +190,7 @@ TEST_F(Watched, a_channel_that_is_opened_later_is_told_of_and_nobody_is_after_th
     EXPECT_EQ(tally.out, 1u);
 }
 
-TEST_F(Watched, its_version_changes_when_links_and_channels_come_and_go) {
+TEST_F(Watched, the_version_changes_when_links_and_channels_are_added_or_removed) {
     std::uint64_t before = forwarder.version();
     const auto changes = [&] { return std::exchange(before, forwarder.version()) != forwarder.version(); };
     const LinkId link = forwarder.add_link({});
@@ -205,7 +205,7 @@ TEST_F(Watched, its_version_changes_when_links_and_channels_come_and_go) {
     EXPECT_TRUE(changes());
 }
 
-TEST_F(Watched, a_frame_of_the_gateways_own_goes_where_it_belongs_and_teaches_no_address) {
+TEST_F(Watched, a_frame_of_the_gateway_is_routed_and_teaches_no_address) {
     Channel& device = add();
     Channel& ground = add();
     Channel& control = add_with([](ForwarderLink& link) { link.route.broadcast = link.route.flood = false; });
@@ -224,7 +224,7 @@ TEST_F(Watched, a_frame_of_the_gateways_own_goes_where_it_belongs_and_teaches_no
     EXPECT_TRUE(forwarder.router().conflicts(now).empty());
 }
 
-TEST_F(Watched, rules_and_switches_of_its_link_hold_for_a_frame_of_the_gateways_own) {
+TEST_F(Watched, rules_and_switches_of_its_link_apply_to_a_frame_of_the_gateway) {
     add();
     Channel& control = add_with([](ForwarderLink& link) {
         link.route.broadcast = link.route.flood = false;
@@ -240,7 +240,7 @@ TEST_F(Watched, rules_and_switches_of_its_link_hold_for_a_frame_of_the_gateways_
     EXPECT_EQ(sent(own, frame(host, 0x00, 0x03, {1})), (Lines{"received 64", "dropped 64 no_route"}));
 }
 
-TEST_F(Watched, a_frame_of_the_gateways_own_that_comes_round_ends) {
+TEST_F(Watched, a_frame_of_the_gateway_that_returns_is_dropped) {
     Channel& out = add();
     Channel& back = add();
     Channel& control = add_with([](ForwarderLink& link) { link.route.broadcast = link.route.flood = false; });
@@ -255,7 +255,7 @@ TEST_F(Watched, a_frame_of_the_gateways_own_that_comes_round_ends) {
     EXPECT_EQ(told(back, spread).at(1), "dropped 1 looped");
 }
 
-TEST_F(Watched, a_channel_may_bear_a_port_id_by_itself) {
+TEST_F(Watched, a_single_channel_may_have_a_port_id) {
     Channel& device = add();
     const LinkId link = forwarder.add_link({});
     Channel* const bearer = forwarder.open_channel(link, "a", now);

@@ -12,7 +12,7 @@ namespace {
 
 std::uint64_t key(const support::Bytes& frame) { return frame_key(ano::FrameView{frame}); }
 
-TEST(FrameKey, tells_frames_apart) {
+TEST(FrameKey, distinguishes_frames) {
     const auto one = support::frame(1, 2, 3, {4});
     EXPECT_EQ(key(one), key(support::frame(1, 2, 3, {4})));
     for (const auto& other : {support::frame(9, 2, 3, {4}), support::frame(1, 9, 3, {4}), support::frame(1, 2, 9, {4}),
@@ -20,14 +20,14 @@ TEST(FrameKey, tells_frames_apart) {
         EXPECT_NE(key(one), key(other));
 }
 
-TEST(FrameKey, tells_frames_of_equal_checks_apart) {
+TEST(FrameKey, distinguishes_frames_with_equal_checksums) {
     const auto one = support::frame(0xFE, 0xFF, 0xE0, {1, 0, 1, 0, 1});
     const auto other = support::frame(0xFE, 0xFF, 0xE0, {1, 0, 0, 2, 0});
     ASSERT_EQ(ano::FrameView{one}.checks(), ano::FrameView{other}.checks());
     EXPECT_NE(key(one), key(other));
 }
 
-TEST(FrameKey, is_of_every_byte) {
+TEST(FrameKey, depends_on_every_byte) {
     for (const std::size_t size : {0u, 1u, 7u, 8u, 55u, 56u, 57u, 90u, 300u}) {
         const support::Bytes data(size, 0x55);
         const std::uint64_t before = key(support::frame(1, 2, 3, data));

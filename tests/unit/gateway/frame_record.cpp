@@ -20,7 +20,7 @@ const auto empty = frame(1, 2, 4);
 
 FrameRecord record_of(const support::Bytes& bytes) { return {0, 0, 0, Direction::in, 0, 0, ano::FrameView{bytes}}; }
 
-TEST(FrameRecord, is_what_the_interface_says_byte_by_byte) {
+TEST(FrameRecord, has_the_documented_layout_byte_by_byte) {
     std::string records;
     append(records, {0x0807060504030201, 0x1817161514131211, 3, Direction::dropped, 9, 63, ano::FrameView{empty}});
     const support::Bytes head = support::hex("01 02 03 04 05 06 07 08 11 12 13 14 15 16 17 18 03 02 09 3F");
@@ -48,7 +48,7 @@ TEST(FrameRecord, many_in_a_row_are_read_as_they_were_written) {
     EXPECT_FALSE(take_record(rest));
 }
 
-TEST(FrameRecord, tells_that_the_source_is_at_home_elsewhere) {
+TEST(FrameRecord, reports_that_the_source_belongs_to_another_link) {
     for (const Direction direction : {Direction::in, Direction::out, Direction::dropped}) {
         std::string records;
         append(records, {7, 8, 3, direction, 0, 5, ano::FrameView{euler}, true});
@@ -64,7 +64,7 @@ TEST(FrameRecord, tells_that_the_source_is_at_home_elsewhere) {
     }
 }
 
-TEST(FrameRecord, damaged_ones_are_refused) {
+TEST(FrameRecord, damaged_records_are_rejected) {
     std::string records;
     append(records, record_of(euler));
     for (std::size_t size = 0; size < records.size(); ++size) {
@@ -82,7 +82,7 @@ TEST(FrameRecord, damaged_ones_are_refused) {
     EXPECT_FALSE(take_record(rest));
 }
 
-TEST(FrameRecord, causes_are_the_counters_of_whole_frames_that_go_no_further) {
+TEST(FrameRecord, causes_are_the_counters_of_whole_frames_that_are_not_forwarded) {
     const auto causes = frame_causes();
     EXPECT_EQ(causes.front(), "");
     EXPECT_EQ((std::set<std::string_view>{causes.begin() + 1, causes.end()}),

@@ -17,11 +17,11 @@ constexpr ano::TimePoint never{};    // heard
 
 using Due = std::optional<ano::TimePoint>;
 
-TEST(Hello, is_a_hosts_question_for_the_device_info) {
+TEST(Hello, is_a_request_of_a_host_for_the_device_info) {
     EXPECT_EQ(support::Bytes(hello_frame.begin(), hello_frame.end()), support::hex("AB FE FF E0 03 00 00 00 00 8B 3B"));
 }
 
-TEST(Hello, is_not_said_while_the_link_is_down) {
+TEST(Hello, is_not_sent_while_the_link_is_down) {
     Hello hello{2s};
     EXPECT_EQ(hello.due(never), Due{});
     hello.came_up(start);
@@ -29,7 +29,7 @@ TEST(Hello, is_not_said_while_the_link_is_down) {
     EXPECT_EQ(hello.due(never), Due{});
 }
 
-TEST(Hello, leaves_the_first_second_to_boot_loaders_and_comes_again_while_it_is_silent) {
+TEST(Hello, is_first_sent_after_a_second_and_repeated_while_the_device_is_silent) {
     Hello hello{2s};
     hello.came_up(start);
     EXPECT_EQ(hello.due(never), start + 1s);
@@ -39,7 +39,7 @@ TEST(Hello, leaves_the_first_second_to_boot_loaders_and_comes_again_while_it_is_
     EXPECT_EQ(hello.due(never), start + 5s);
 }
 
-TEST(Hello, before_every_third_without_an_answer_the_device_may_be_deaf) {
+TEST(Hello, treats_the_device_as_possibly_deaf_before_every_third_unanswered_one) {
     Hello hello{2s};
     hello.came_up(start);
     std::vector<bool> deaf;
@@ -55,7 +55,7 @@ TEST(Hello, before_every_third_without_an_answer_the_device_may_be_deaf) {
     EXPECT_TRUE(hello.may_be_deaf(start + 15s));
 }
 
-TEST(Hello, is_put_off_by_every_frame_that_is_heard) {
+TEST(Hello, is_postponed_by_every_received_frame) {
     Hello hello{2s};
     hello.came_up(start);
     EXPECT_EQ(hello.due(start + 900ms), start + 1900ms);
@@ -65,7 +65,7 @@ TEST(Hello, is_put_off_by_every_frame_that_is_heard) {
     EXPECT_EQ(hello.due(start + 4500ms), start + 5500ms);
 }
 
-TEST(Hello, begins_afresh_with_a_link_that_comes_back) {
+TEST(Hello, starts_over_when_the_link_is_up_again) {
     Hello hello{10s};
     hello.came_up(start);
     hello.said(start + 1s, never);
@@ -74,7 +74,7 @@ TEST(Hello, begins_afresh_with_a_link_that_comes_back) {
     EXPECT_EQ(hello.due(start + 100ms), start + 3s) << "what was heard before counts for nothing, and neither does what was said";
 }
 
-TEST(Hello, keeps_quiet_for_a_minute_after_a_firmware_frame) {
+TEST(Hello, pauses_for_a_minute_after_a_firmware_frame) {
     Hello hello{2s};
     hello.came_up(start);
     hello.saw_firmware(start + 500ms);
@@ -85,7 +85,7 @@ TEST(Hello, keeps_quiet_for_a_minute_after_a_firmware_frame) {
     EXPECT_EQ(hello.due(start + 60s), start + 61s);
 }
 
-TEST(Hello, comes_at_most_once_a_second) {
+TEST(Hello, is_sent_at_most_once_a_second) {
     Hello hello{10ms};
     hello.came_up(start);
     hello.said(start + 1s, never);

@@ -21,7 +21,7 @@ LinkFigures line_that_sent(std::uint64_t frames) {
     return link;
 }
 
-TEST(Hint, what_was_stale_when_it_came_makes_no_link_slow) {
+TEST(Hint, frames_received_stale_do_not_make_a_link_count_as_slow) {
     LinkFigures link = line_that_sent(100);
     link.sent.stale = link.came_stale = 50;
     EXPECT_EQ(hint(link), "");
@@ -29,7 +29,7 @@ TEST(Hint, what_was_stale_when_it_came_makes_no_link_slow) {
     EXPECT_EQ(hint(link), "frames are dropped: more is sent to this link than it can carry");
 }
 
-TEST(Hint, frames_that_are_too_long_are_named_among_good_ones) {
+TEST(Hint, too_long_frames_among_valid_ones_are_reported) {
     LinkFigures link = line_that_sent(100);
     link.received.frames_in = 1000;
     link.received.bad_length = 4;
@@ -40,7 +40,7 @@ TEST(Hint, frames_that_are_too_long_are_named_among_good_ones) {
     EXPECT_EQ(hint(link), "") << "noise looks like long frames as well";
 }
 
-TEST(Hint, a_link_too_slow_for_what_is_sent_is_named_whatever_the_cause_of_the_drops) {
+TEST(Hint, a_link_too_slow_for_its_traffic_is_reported_for_every_cause_of_drops) {
     for (const auto cause : {&SendCounters::superseded, &SendCounters::stale, &SendCounters::queue_full}) {
         LinkFigures link = line_that_sent(100);
         link.sent.*cause = 10;
@@ -52,7 +52,7 @@ TEST(Hint, a_link_too_slow_for_what_is_sent_is_named_whatever_the_cause_of_the_d
     }
 }
 
-TEST(Hint, devices_that_act_for_others_or_have_no_address_are_named) {
+TEST(Hint, devices_that_act_for_others_or_have_no_address_are_reported) {
     LinkFigures link = line_that_sent(100);
     link.nobody = std::uint8_t{0};
     EXPECT_EQ(hint(link),
@@ -66,14 +66,14 @@ TEST(Hint, devices_that_act_for_others_or_have_no_address_are_named) {
     EXPECT_EQ(find_hint(link).id, "answers_for_others");
 }
 
-TEST(Hint, a_line_that_echoes_is_named) {
+TEST(Hint, a_line_that_echoes_is_reported) {
     LinkFigures link = line_that_sent(100);
     link.echoes = true;
     link.not_sent = std::uint8_t{0x44};
     EXPECT_EQ(find_hint(link).id, "echo");
 }
 
-TEST(Hint, orientations_that_contradict_each_other_name_the_key) {
+TEST(Hint, for_contradictory_orientations_names_the_attitude_key) {
     LinkFigures link = line_that_sent(0);
     link.contradictory = 0xDD;
     EXPECT_EQ(hint(link), "Euler angles and quaternion of 0xDD contradict each other: try attitude=lx");
@@ -82,7 +82,7 @@ TEST(Hint, orientations_that_contradict_each_other_name_the_key) {
     EXPECT_EQ(hint(link), "Euler angles and quaternion of 0xDD contradict each other: try attitude=document");
 }
 
-TEST(Hint, damage_and_frames_of_the_previous_version_are_named_when_they_are_more_than_one_in_ten) {
+TEST(Hint, corrupted_frames_and_v7_frames_are_reported_above_one_in_ten) {
     LinkFigures link = line_that_sent(100);
     link.received.bad_check = 60;
     link.received.expired = 40;
@@ -94,13 +94,13 @@ TEST(Hint, damage_and_frames_of_the_previous_version_are_named_when_they_are_mor
     EXPECT_EQ(hint(link), "older V7 frames (0xAA) received: switch the device to protocol V8");
 }
 
-TEST(Hint, what_filters_and_limits_keep_back_is_meant_so) {
+TEST(Hint, frames_dropped_by_filters_and_limits_are_not_reported) {
     LinkFigures link = line_that_sent(1);
     link.sent.limited = link.sent.denied_out = 1000;
     EXPECT_EQ(hint(link), "");
 }
 
-TEST(Hint, a_source_on_two_links_is_one_device_or_two) {
+TEST(Hint, a_source_on_two_links_is_reported_as_one_device_or_two) {
     LinkFigures link = line_that_sent(1000);
     link.received.bad_check = 500;
     link.shared = SharedSource::one_device;
@@ -120,7 +120,7 @@ TEST(Hint, a_source_on_two_links_is_one_device_or_two) {
 }
 
 // The hints at the links of one conflict, which share its meaning and ring, whatever other state each link has.
-TEST(Hint, two_of_one_conflict_never_contradict_each_other) {
+TEST(Hint, two_hints_for_one_conflict_never_contradict_each_other) {
     const std::string meanings[] = {"ring", "one_device_on_two_links", "two_devices_one_id", "two_peers_one_device",
                                     "pinned_address_claimed"};
     const auto is_meaning = [&](std::string_view id) {
@@ -160,13 +160,13 @@ TEST(Hint, of_a_source_on_two_links_names_its_address) {
     EXPECT_EQ(find_hint(link).args.at(0), (std::pair<std::string_view, Hint::Value>{"device", std::string{"0xDC"}}));
 }
 
-TEST(Hint, a_device_behind_the_wrong_port_id_is_named) {
+TEST(Hint, names_a_device_whose_address_is_also_a_port_id) {
     LinkFigures link = line_that_sent(1000);
     link.hidden = 5;
     EXPECT_EQ(hint(link), "device 0x05 can't be reached: its address is also the port id of a link; change one of them");
 }
 
-TEST(Hint, telemetry_that_nobody_takes_is_told_when_it_lasts) {
+TEST(Hint, telemetry_without_a_receiver_is_reported_after_3_seconds) {
     LinkFigures link = line_that_sent(1000);
     link.untaken_for = std::chrono::milliseconds{2999};
     EXPECT_EQ(hint(link), "");
@@ -176,7 +176,7 @@ TEST(Hint, telemetry_that_nobody_takes_is_told_when_it_lasts) {
               "or add --route 0xFE=LINK");
 }
 
-TEST(Hint, the_dead_link_where_hosts_were_heard_is_named) {
+TEST(Hint, names_the_link_that_is_down_where_hosts_were_last_seen) {
     LinkFigures link = line_that_sent(1000);
     link.hosts_link = "radio";
     EXPECT_EQ(hint(link), "") << "it has a taker";
@@ -188,7 +188,7 @@ TEST(Hint, the_dead_link_where_hosts_were_heard_is_named) {
     EXPECT_EQ(found.args[0], (std::pair<std::string_view, Hint::Value>{"link", "radio"}));
 }
 
-TEST(Hint, a_ring_is_told_by_its_links) {
+TEST(Hint, a_loop_is_reported_with_its_links) {
     LinkFigures link = line_that_sent(100);
     link.ring_out = "ground";
     link.ring_back = "radio";
@@ -199,7 +199,7 @@ TEST(Hint, a_ring_is_told_by_its_links) {
     EXPECT_EQ(hint(link), "");
 }
 
-TEST(Hint, a_recording_at_its_end_is_not_silent_but_over) {
+TEST(Hint, a_recording_at_its_end_is_reported_as_ended_and_not_as_silent) {
     LinkFigures link = line_that_sent(100);
     link.silent_for = std::chrono::seconds{12};
     link.is_over = true;
@@ -211,7 +211,7 @@ TEST(Hint, a_recording_at_its_end_is_not_silent_but_over) {
     EXPECT_EQ(find_hint(link).id, "handshakes") << "which leaves no place to anybody";
 }
 
-TEST(Hint, a_link_that_hears_nothing_and_says_nothing_is_told_to_speak_first) {
+TEST(Hint, a_silent_link_that_sends_nothing_gets_the_advice_to_use_hello) {
     using namespace std::chrono_literals;
     const std::string advice = " (some devices send only after they receive a frame: try hello=on)";
     const auto ends_with_it = [&](const LinkFigures& link) { return hint(link).ends_with(advice); };
@@ -244,7 +244,7 @@ TEST(Hint, a_link_that_hears_nothing_and_says_nothing_is_told_to_speak_first) {
     EXPECT_EQ(hint(program), "silent for 12 s") << "no device";
 }
 
-TEST(Hint, bytes_without_frames_after_good_ones_are_no_silence) {
+TEST(Hint, bytes_without_frames_after_valid_frames_are_not_reported_as_silence) {
     using namespace std::chrono_literals;
     LinkFigures link = line_that_sent(1000);
     link.waits_to_hear = true;
@@ -264,7 +264,7 @@ TEST(Hint, bytes_without_frames_after_good_ones_are_no_silence) {
         << "there were some before it was plugged again";
 }
 
-TEST(Hint, a_few_bytes_or_bytes_of_long_ago_do_not_break_a_silence) {
+TEST(Hint, a_few_bytes_or_old_bytes_do_not_end_a_silence) {
     using namespace std::chrono_literals;
     LinkFigures link = line_that_sent(1000);
     link.silent_for = 12s;
@@ -278,7 +278,7 @@ TEST(Hint, a_few_bytes_or_bytes_of_long_ago_do_not_break_a_silence) {
     EXPECT_EQ(hint(link), "silent for 12 s");
 }
 
-TEST(Hint, strangers_and_their_tricks_are_named) {
+TEST(Hint, unknown_senders_and_listening_gateways_are_reported) {
     LinkFigures link = line_that_sent(1000);
     link.words = anogate::find_link_kind("udp-listen")->hints;
     link.listens = true;
@@ -291,7 +291,7 @@ TEST(Hint, strangers_and_their_tricks_are_named) {
     EXPECT_NE(hint(link).find("a udp: link"), std::string::npos) << "the one that tells most";
 }
 
-TEST(Hint, senders_that_were_refused_are_outside_allow_only_where_that_was_the_cause) {
+TEST(Hint, refused_senders_are_reported_as_outside_allow_only_if_that_was_the_cause) {
     LinkFigures link;
     link.up = link.listens = true;
     link.received.denied_in = 3;
@@ -304,7 +304,7 @@ TEST(Hint, senders_that_were_refused_are_outside_allow_only_where_that_was_the_c
     EXPECT_EQ(find_hint(link).id, "no_memory") << "a second sender was refused";
 }
 
-TEST(Hint, has_an_id_and_what_its_text_has_beside_words) {
+TEST(Hint, has_an_id_and_the_values_in_its_text) {
     using namespace std::chrono_literals;
     EXPECT_EQ(find_hint(line_that_sent(1000)).id, "") << "nothing to say";
     LinkFigures link = line_that_sent(1000);
@@ -325,7 +325,7 @@ TEST(Hint, has_an_id_and_what_its_text_has_beside_words) {
     EXPECT_EQ(ring.args[1], (std::pair<std::string_view, Hint::Value>{"back", std::string{"radio"}}));
 }
 
-TEST(Hint, ids_tell_what_the_words_of_a_kind_tell) {
+TEST(Hint, ids_match_the_texts_of_each_link_kind) {
     using namespace std::chrono_literals;
     const auto ids = [](const char* kind) {
         LinkFigures link = line_that_sent(1000);

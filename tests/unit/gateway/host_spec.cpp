@@ -21,7 +21,7 @@ TEST(HostSpec, is_an_address_or_a_name_with_a_port) {
     EXPECT_NE(*name, *address);
 }
 
-TEST(HostSpec, refuses_what_can_be_neither) {
+TEST(HostSpec, rejects_invalid_hosts_and_ports) {
     for (const char* text : {"",      ":1",     "a",    "a:",    "a:b",   "a:65536",     "a:1:2",           "-a:1",
                              "a-:1",  "a..b:1", ".a:1", "a b:1", "a/b:1", "192.168.4:1", "192.168.4.256:1", "fe80::1:1",
                              "[a]:1", "a:-1",   "a:+1", "a: 1"})
@@ -33,7 +33,7 @@ TEST(HostSpec, refuses_what_can_be_neither) {
     EXPECT_FALSE(HostSpec::parse(many + "d:1"));
 }
 
-TEST(HostSpec, tells_what_stays_on_this_computer) {
+TEST(HostSpec, recognizes_addresses_of_this_computer) {
     EXPECT_TRUE(HostSpec::parse("localhost:1")->is_here());
     EXPECT_TRUE(HostSpec::parse("127.0.0.2:1")->is_here());
     EXPECT_TRUE(HostSpec::parse("[::1]:1")->is_here());

@@ -12,7 +12,7 @@ namespace {
 
 ChannelId channel(unsigned n) { return static_cast<ChannelId>(n); }
 
-TEST(IdSet, holds_what_was_put_in) {
+TEST(IdSet, contains_the_inserted_ids) {
     ChannelSet set;
     EXPECT_TRUE(set.empty());
     for (const unsigned n : {0u, 5u, 63u}) set.insert(channel(n));
@@ -41,7 +41,7 @@ TEST(IdSet, iterates_in_ascending_order) {
     for (std::size_t i = 0; i < seen.size(); ++i) EXPECT_EQ(seen[i], 3 * i);
 }
 
-TEST(IdSet, joins_meets_and_takes_away) {
+TEST(IdSet, supports_union_intersection_and_difference) {
     const ChannelSet a = ChannelSet{channel(1)} | channel(2);
     const ChannelSet b = ChannelSet{channel(2)} | channel(3);
     EXPECT_EQ(a & b, ChannelSet{channel(2)});

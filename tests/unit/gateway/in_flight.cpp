@@ -36,7 +36,7 @@ const Exchange exchanges[] = {
 
 ano::FrameView view(const Bytes& bytes) { return ano::FrameView{bytes}; }
 
-TEST(Question, is_known_with_its_answer) {
+TEST(Question, is_recognized_with_its_answer) {
     for (const Exchange& e : exchanges) {
         const auto question = question_in(view(e.question));
         ASSERT_TRUE(question) << testing::PrintToString(e.question);
@@ -47,14 +47,14 @@ TEST(Question, is_known_with_its_answer) {
     }
 }
 
-TEST(Question, is_not_what_writes_commands_or_streams) {
+TEST(Question, is_not_a_frame_that_writes_commands_or_streams) {
     for (const Bytes& frame :
          {ask(0xC0, {1, 1, 1}), ask(0x40, Bytes(20)), ask(0x41, Bytes(14)), ask(0xE0, {0x10, 0xAB, 0}), ask(0xE1, {7, 0, 42}),
           ask(0x61, Bytes(22)), ask(0xF0, {1}), ask(0x03, Bytes(7)), ask(0x00, {0xC0, 1, 2})})
         EXPECT_FALSE(question_in(view(frame))) << testing::PrintToString(frame);
 }
 
-TEST(Question, is_not_what_is_too_short_to_be_one) {
+TEST(Question, is_not_a_frame_that_is_too_short) {
     for (const Bytes& frame : {ask(0xE0, {0, 0}), ask(0xC1, {}), ask(0x60, {}), ask(0xC1, {2, 0, 0})})
         EXPECT_FALSE(question_in(view(frame))) << testing::PrintToString(frame);
     EXPECT_TRUE(question_in(view(ask(0xE0, {0, 0, 0, 0, 0})))) << "longer is legal";
@@ -64,7 +64,7 @@ TEST(Question, is_not_an_answer_on_its_way_to_a_host) {
     for (const Exchange& e : exchanges) EXPECT_FALSE(question_in(view(e.answer))) << testing::PrintToString(e.answer);
 }
 
-TEST(Question, to_everybody_may_be_answered_by_anybody_and_one_to_a_device_by_that_one) {
+TEST(Question, to_all_devices_may_be_answered_by_any_device_and_to_one_device_only_by_that_one) {
     const auto all = question_in(view(ask(0xE0, {0, 0, 0}, everybody)));
     const auto port = question_in(view(ask(0xE0, {0, 0, 0}, 5)));
     const auto single = question_in(view(ask(0xE0, {0, 0, 0})));
@@ -90,7 +90,7 @@ struct Flight : testing::Test {
     InFlight flight;
 };
 
-TEST_F(Flight, eight_and_no_more_until_one_is_answered) {
+TEST_F(Flight, at_most_eight_requests_are_open_until_one_is_answered) {
     for (std::uint8_t n = 0; n < 8; ++n) {
         EXPECT_TRUE(has_room(start));
         send(value_of(n), start);
@@ -104,7 +104,7 @@ TEST_F(Flight, eight_and_no_more_until_one_is_answered) {
     EXPECT_EQ(flight.size(), 7u);
 }
 
-TEST_F(Flight, is_given_up_half_a_second_after_it_left) {
+TEST_F(Flight, requests_expire_half_a_second_after_they_were_sent) {
     flight.queued(view(value_of(1)), ourselves);
     EXPECT_EQ(flight.next_given_up(), std::nullopt) << "it waits in the outbox, maybe for long";
     for (std::uint8_t n = 2; n < 9; ++n) send(value_of(n), start + 10ms * n);
@@ -116,14 +116,14 @@ TEST_F(Flight, is_given_up_half_a_second_after_it_left) {
     EXPECT_EQ(flight.size(), 1u) << "what waits to leave is not forgotten";
 }
 
-TEST_F(Flight, an_answer_ends_the_older_of_two_equal_questions) {
+TEST_F(Flight, an_answer_completes_the_older_of_two_equal_requests) {
     send(value_of(1), start);
     send(value_of(1), start + 100ms);
     EXPECT_TRUE(flight.hear(view(value(1))));
     EXPECT_EQ(flight.next_given_up(), start + 600ms);
 }
 
-TEST_F(Flight, what_is_dropped_before_it_left_needs_no_answer) {
+TEST_F(Flight, a_request_dropped_before_it_was_sent_needs_no_answer) {
     flight.queued(view(value_of(1)), ourselves);
     EXPECT_FALSE(flight.hear(view(value(1)))) << "it was not asked yet";
     flight.dropped(view(value_of(1)));
@@ -132,13 +132,13 @@ TEST_F(Flight, what_is_dropped_before_it_left_needs_no_answer) {
     EXPECT_EQ(flight.size(), 0u);
 }
 
-TEST_F(Flight, other_frames_are_passed_over) {
+TEST_F(Flight, other_frames_are_ignored) {
     const Bytes command = ask(0xC0, {1, 1, 1});
     send(command, start);
     EXPECT_EQ(flight.size(), 0u);
 }
 
-TEST_F(Flight, one_place_is_kept_for_the_gateway) {
+TEST_F(Flight, one_request_is_reserved_for_the_gateway) {
     for (std::uint8_t n = 0; n < 7; ++n) {
         EXPECT_TRUE(flight.has_place(one));
         send(value_of(n), start, n % 2 == 0 ? one : other);
@@ -152,7 +152,7 @@ TEST_F(Flight, one_place_is_kept_for_the_gateway) {
     EXPECT_TRUE(flight.has_place(other)) << "the gateway has its place";
 }
 
-TEST_F(Flight, the_oldest_of_who_has_several_is_given_up_after_a_tenth_of_a_second) {
+TEST_F(Flight, the_oldest_request_of_a_sender_with_several_expires_after_a_tenth_of_a_second) {
     send(value_of(1), start, one);
     EXPECT_EQ(flight.next_early(), std::nullopt);
     EXPECT_FALSE(flight.give_up_one(start + 499ms)) << "its only one";
@@ -167,7 +167,7 @@ TEST_F(Flight, the_oldest_of_who_has_several_is_given_up_after_a_tenth_of_a_seco
     EXPECT_FALSE(flight.give_up_one(start + 499ms));
 }
 
-TEST_F(Flight, a_time_before_all_time_is_long_ago) {
+TEST_F(Flight, a_request_sent_at_the_minimum_time_is_expired) {
     send(value_of(1), ano::TimePoint::min());
     EXPECT_TRUE(has_room(start));
     EXPECT_EQ(flight.size(), 0u);

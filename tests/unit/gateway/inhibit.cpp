@@ -28,14 +28,14 @@ bool brings(const Bytes& bytes) { return may_contain(ano::FrameView{bytes}, ano:
 const Bytes command = support::frame(0xFE, 0xDC, 0xC0, {1, 2, 3});
 const Bytes attitude = support::frame(0xDC, 0xFE, 0x03, Bytes(7));
 
-TEST(Inhibit, control_frames_are_these_and_no_others) {
+TEST(Inhibit, control_frames_have_exactly_the_listed_ids) {
     std::set<int> ids;
     for (int id = 0; id < 256; ++id)
         if (control(static_cast<std::uint8_t>(id), {0, 0, 0})) ids.insert(id);
     EXPECT_EQ(ids, (std::set<int>{0x40, 0x41, 0x61, 0xC0, 0xE1, 0xF0}));
 }
 
-TEST(Inhibit, a_parameter_command_is_control_when_it_is_no_question) {
+TEST(Inhibit, a_parameter_command_is_control_unless_it_is_a_read_request) {
     for (std::uint8_t question = 0; question <= 3; ++question) EXPECT_FALSE(control(0xE0, {question, 0, 0})) << int{question};
     EXPECT_TRUE(control(0xE0, {0x10, 0xAA, 0})) << "restore defaults";
     EXPECT_TRUE(control(0xE0, {0x10, 0x20, 0})) << "clear the calibration";
@@ -44,7 +44,7 @@ TEST(Inhibit, a_parameter_command_is_control_when_it_is_no_question) {
     EXPECT_TRUE(control(0xE0)) << "says nothing";
 }
 
-TEST(Inhibit, a_tunnel_frame_with_control_inside_brings_it) {
+TEST(Inhibit, a_tunnel_frame_with_a_control_frame_inside_counts_as_control) {
     for (const std::uint8_t id : {std::uint8_t{0xB1}, std::uint8_t{0xB2}}) {
         EXPECT_TRUE(brings(tunnel(command, id)));
         EXPECT_TRUE(brings(tunnel(attitude + command, id)));
@@ -55,7 +55,7 @@ TEST(Inhibit, a_tunnel_frame_with_control_inside_brings_it) {
     EXPECT_FALSE(brings(command)) << "no tunnel frame: is_control() judges it";
 }
 
-TEST(Inhibit, a_tunnel_frame_that_can_not_be_judged_may_bring_control) {
+TEST(Inhibit, a_tunnel_frame_that_cannot_be_parsed_counts_as_control) {
     EXPECT_TRUE(brings(tunnel(Bytes{0x00} + command))) << "a device may find the frame behind other bytes";
     EXPECT_TRUE(brings(tunnel(attitude + Bytes{0xAB})));
     EXPECT_TRUE(brings(tunnel(tunnel(attitude))));
@@ -72,7 +72,7 @@ TEST(Inhibit, a_switch_is_on_until_it_is_read) {
     EXPECT_FALSE(inhibit.is_on(place));
 }
 
-TEST(Inhibit, of_two_switches_for_a_link_one_is_enough) {
+TEST(Inhibit, one_of_two_switches_is_enough_to_inhibit_a_link) {
     Inhibit inhibit;
     const std::size_t first = inhibit.add(LinkSet{LinkId{1}} | LinkSet{LinkId{2}});
     const std::size_t second = inhibit.add(LinkId{2});
@@ -84,7 +84,7 @@ TEST(Inhibit, of_two_switches_for_a_link_one_is_enough) {
     EXPECT_EQ(inhibit.links(), LinkSet{LinkId{1}} | LinkSet{LinkId{2}});
 }
 
-TEST(Inhibit, a_link_that_is_removed_leaves_its_switch_to_the_others) {
+TEST(Inhibit, a_switch_stays_for_its_other_links_when_one_is_removed) {
     Inhibit inhibit;
     const std::size_t place = inhibit.add(LinkSet{LinkId{1}} | LinkSet{LinkId{2}});
     inhibit.remove_link(LinkId{1});
@@ -94,7 +94,7 @@ TEST(Inhibit, a_link_that_is_removed_leaves_its_switch_to_the_others) {
     EXPECT_EQ(inhibit.links(), LinkSet{LinkId{2}}) << "what gets its number is not kept off";
 }
 
-TEST(Inhibit, switches_come_and_go_and_are_for_other_links) {
+TEST(Inhibit, switches_can_be_added_removed_and_moved_to_other_links) {
     constexpr LinkId a{1}, b{2};
     Inhibit inhibit;
     const std::size_t first = inhibit.add(a), second = inhibit.add(b);

@@ -26,7 +26,7 @@ TEST(IpAddress, an_ipv4_address_mapped_into_ipv6_is_the_ipv4_address) {
     EXPECT_EQ(IpAddress::parse("::ffff:10.0.0.7"), IpAddress::v4(10, 0, 0, 7));
 }
 
-TEST(IpAddress, knows_its_kinds) {
+TEST(IpAddress, recognizes_special_addresses) {
     EXPECT_TRUE(IpAddress::parse("0.0.0.0")->is_any() && IpAddress::parse("::")->is_any());
     EXPECT_FALSE(IpAddress::parse("0.0.0.1")->is_any() || IpAddress::parse("::1")->is_any());
     EXPECT_TRUE(IpAddress::parse("127.8.8.8")->is_loopback() && IpAddress::parse("::1")->is_loopback());
@@ -64,13 +64,13 @@ TEST(EndpointSpec, keeps_the_interface_by_its_name) {
     EXPECT_NE(*EndpointSpec::parse("[fe80::1%a]:1"), *EndpointSpec::parse("[fe80::1%b]:1"));
 }
 
-TEST(EndpointSpec, refuses_what_is_no_interface) {
+TEST(EndpointSpec, refuses_invalid_interfaces) {
     for (const auto text : {"[fe80::1%]:1"sv, "[fe80::1%sixteen-bytes-no]:1"sv, "[fe80::1%a b]:1"sv, "[fe80::1%a/b]:1"sv,
                             "[fe80::1%a]"sv, "fe80::1%a:1"sv, "[2001:db8::7%lo]:1"sv, "169.254.1.1%lo:1"sv, "%]:"sv, "]:%"sv})
         EXPECT_FALSE(EndpointSpec::parse(text)) << text;
 }
 
-TEST(Network, contains_what_shares_its_leading_bits) {
+TEST(Network, contains_addresses_with_the_same_leading_bits) {
     const auto network = Network::parse("192.168.4.0/22").value();
     EXPECT_TRUE(network.contains(IpAddress::v4(192, 168, 4, 0)));
     EXPECT_TRUE(network.contains(IpAddress::v4(192, 168, 7, 255)));
@@ -91,7 +91,7 @@ TEST(Network, refuses_everything_else) {
         EXPECT_FALSE(Network::parse(text)) << text;
 }
 
-TEST(Network, a_list_contains_what_one_of_it_does) {
+TEST(Network, a_list_contains_an_address_if_one_of_its_networks_does) {
     const std::vector<Network> networks{*Network::parse("10.0.0.0/8"), *Network::parse("127.0.0.0/8")};
     EXPECT_TRUE(contains(networks, IpAddress::v4(127, 0, 0, 1)));
     EXPECT_FALSE(contains(networks, IpAddress::v4(11, 0, 0, 1)));

@@ -22,7 +22,7 @@ struct Check : ListenerCheck {
     explicit Check(std::uint64_t first) : ListenerCheck{[n = first]() mutable { return n++; }} {}
 };
 
-TEST(ListeningNotice, is_a_special_frame_of_a_host_for_everybody) {
+TEST(ListeningNotice, is_a_special_broadcast_frame_of_a_host) {
     const ListeningNotice notice{Kind::answer, 0x0123456789ABCDEF};
     const NoticeFrame bytes = frame_of(notice);
     ASSERT_TRUE(ano::frame_at(bytes));
@@ -33,7 +33,7 @@ TEST(ListeningNotice, is_a_special_frame_of_a_host_for_everybody) {
     EXPECT_EQ(listening_notice(frame), notice);
 }
 
-TEST(ListeningNotice, is_nothing_else) {
+TEST(ListeningNotice, is_not_recognized_in_other_frames) {
     NoticeFrame whole = frame_of({Kind::question, 1});
     const auto changed = [&](std::size_t at, std::uint8_t to) {
         NoticeFrame other = whole;
@@ -52,7 +52,7 @@ TEST(ListeningNotice, is_nothing_else) {
     EXPECT_FALSE(listening_notice(ano::FrameView{longer}));
 }
 
-TEST(ListenerCheck, a_suspect_is_asked_at_once_after_one_and_four_seconds_and_then_once_a_minute) {
+TEST(ListenerCheck, a_suspect_is_queried_at_once_after_one_and_four_seconds_and_then_once_a_minute) {
     Check check{7};
     std::vector<Duration> asked;
     for (Duration t{}; t < 130s; t += 500ms)
@@ -63,7 +63,7 @@ TEST(ListenerCheck, a_suspect_is_asked_at_once_after_one_and_four_seconds_and_th
     EXPECT_EQ(asked, (std::vector<Duration>{0s, 1s, 4s, 64s, 124s}));
 }
 
-TEST(ListenerCheck, who_repeats_the_number_is_a_listening_gateway_and_refused) {
+TEST(ListenerCheck, a_sender_that_repeats_the_number_is_a_listening_gateway_and_refused) {
     Check check{7};
     check.question(two, start);
     EXPECT_FALSE(check.answered(two, 8, start)) << "a guess";
@@ -76,7 +76,7 @@ TEST(ListenerCheck, who_repeats_the_number_is_a_listening_gateway_and_refused) {
     EXPECT_TRUE(check.is_refused(two)) << "its channel is gone, the refusal stays";
 }
 
-TEST(ListenerCheck, nobody_is_refused_who_was_not_asked) {
+TEST(ListenerCheck, a_sender_that_was_not_queried_is_not_refused) {
     Check check{7};
     EXPECT_FALSE(check.answered(two, 0, start));
     EXPECT_FALSE(check.answered(two, 7, start));
@@ -85,7 +85,7 @@ TEST(ListenerCheck, nobody_is_refused_who_was_not_asked) {
     EXPECT_FALSE(check.is_refused(two));
 }
 
-TEST(ListenerCheck, a_question_is_answered_by_its_number_and_its_sender_waits_a_second_once_a_minute) {
+TEST(ListenerCheck, a_request_is_answered_with_its_number_and_its_sender_is_suspended_a_second_once_a_minute) {
     Check check{7};
     EXPECT_EQ(check.asked(two, 99, start), (ListeningNotice{Kind::answer, 99}));
     EXPECT_TRUE(check.is_suspended(two, start + 1s - 1ns));
@@ -97,7 +97,7 @@ TEST(ListenerCheck, a_question_is_answered_by_its_number_and_its_sender_waits_a_
     EXPECT_TRUE(check.is_suspended(two, start + 60s));
 }
 
-TEST(ListenerCheck, a_suspension_is_remembered_whoever_else_asks) {
+TEST(ListenerCheck, a_suspension_is_remembered_during_requests_of_others) {
     Check check{7};
     Duration suspended{};
     for (Duration t{}; t < 60s; t += 500ms) {
@@ -114,14 +114,14 @@ TEST(ListenerCheck, a_suspension_is_remembered_whoever_else_asks) {
     EXPECT_TRUE(check.is_suspended(one, start + 120s));
 }
 
-TEST(ListenerCheck, an_echo_of_our_question_is_none) {
+TEST(ListenerCheck, an_echo_of_a_request_of_the_gateway_is_ignored) {
     Check check{7};
     check.question(two, start);
     EXPECT_FALSE(check.asked(two, 7, start));
     EXPECT_FALSE(check.is_suspended(two, start));
 }
 
-TEST(ListenerCheck, gives_so_many_answers_a_second_and_no_more) {
+TEST(ListenerCheck, sends_at_most_20_answers_a_second) {
     Check check{7};
     int answers = 0;
     for (std::uint64_t n = 0; n < 1000; ++n)
@@ -131,7 +131,7 @@ TEST(ListenerCheck, gives_so_many_answers_a_second_and_no_more) {
     EXPECT_TRUE(check.asked(one, 1, start + 1s));
 }
 
-TEST(ListenerCheck, who_is_refused_and_answers_no_more_is_refused_no_more) {
+TEST(ListenerCheck, a_refused_sender_that_stops_answering_is_no_longer_refused) {
     Check check{7};
     check.question(two, start);
     check.answered(two, 7, start);
@@ -146,7 +146,7 @@ TEST(ListenerCheck, who_is_refused_and_answers_no_more_is_refused_no_more) {
     EXPECT_FALSE(check.is_refused(two)) << "a udp link at that port is welcome";
 }
 
-TEST(ListenerCheck, who_is_refused_and_goes_on_answering_stays_so) {
+TEST(ListenerCheck, a_refused_sender_that_keeps_answering_stays_refused) {
     Check check{7};
     check.question(two, start);
     check.answered(two, 7, start);
@@ -158,7 +158,7 @@ TEST(ListenerCheck, who_is_refused_and_goes_on_answering_stays_so) {
     EXPECT_TRUE(check.is_refused(two));
 }
 
-TEST(ListenerCheck, strangers_by_the_thousand_push_no_refused_one_out) {
+TEST(ListenerCheck, thousands_of_strangers_displace_no_refused_sender) {
     Check check{7};
     check.question(two, start);
     check.answered(two, 7, start);
@@ -169,7 +169,7 @@ TEST(ListenerCheck, strangers_by_the_thousand_push_no_refused_one_out) {
 
 // Frames of one reach the other in the order in which they were sent. A forged frame made `there` a peer of the first gateway
 // only, which is about to send: frames sent after its question are dropped, and both reject each other.
-TEST(ListenerCheck, of_two_gateways_each_refuses_the_other_whoever_begins) {
+TEST(ListenerCheck, two_gateways_refuse_each_other_whichever_starts) {
     Check a{100}, b{200};
     const auto question = a.question(two, start);
     ASSERT_TRUE(question);

@@ -48,7 +48,7 @@ protected:
     LoopGuard guard{7};
 };
 
-TEST_F(Guarded, a_copy_passes_with_probes_ahead_of_it_and_teaches_nothing_until_they_can_be_back) {
+TEST_F(Guarded, a_copy_passes_after_probes_and_teaches_nothing_until_they_can_have_returned) {
     pass(1, 5, channels({3, 4}), start);
     const auto copy = judge(1, 3, start + 10ms);
     EXPECT_TRUE(copy.suspect && copy.undecided && !copy.looped);
@@ -62,7 +62,7 @@ TEST_F(Guarded, a_copy_passes_with_probes_ahead_of_it_and_teaches_nothing_until_
 }
 
 // On channels without probes, and too rarely for a storm.
-TEST_F(Guarded, a_command_that_goes_round_ends_and_telemetry_does_not) {
+TEST_F(Guarded, a_circulating_command_is_dropped_and_telemetry_is_not) {
     const auto rounds = [&](std::uint64_t key, bool acts) {
         int passed = 0;
         for (int i = 0; i < 500; ++i) {
@@ -78,7 +78,7 @@ TEST_F(Guarded, a_command_that_goes_round_ends_and_telemetry_does_not) {
     EXPECT_EQ(rounds(2, true), 1 + LoopGuard::max_again);
 }
 
-TEST_F(Guarded, who_began_with_a_command_repeats_it_as_often_as_he_likes) {
+TEST_F(Guarded, the_first_sender_of_a_command_may_repeat_it_any_number_of_times) {
     for (int i = 0; i < 500; ++i) {
         const TimePoint now = start + i * 100ms;
         const LoopGuard::Arrival arrival{1, channel(8), now, false, true};
@@ -87,7 +87,7 @@ TEST_F(Guarded, who_began_with_a_command_repeats_it_as_often_as_he_likes) {
     }
 }
 
-TEST_F(Guarded, copies_end_when_the_loop_is_known_and_only_those_that_were_sent_into_it) {
+TEST_F(Guarded, only_copies_of_frames_sent_into_a_known_loop_are_dropped) {
     pass(1, 5, channels({3, 4}), start);
     pass(1, 3, channels({4, 5}), start + 10ms);
     ask_and_answer(3, 4, start + 10ms, start + 20ms);
@@ -102,7 +102,7 @@ TEST_F(Guarded, copies_end_when_the_loop_is_known_and_only_those_that_were_sent_
     EXPECT_EQ(guard.loop(channel(4), start + 1s), (LoopGuard::Loop{link(3), link(4)}));
 }
 
-TEST_F(Guarded, what_entered_a_known_loop_elsewhere_passes_once_each_time_it_is_sent) {
+TEST_F(Guarded, a_frame_that_entered_a_known_loop_elsewhere_passes_once_each_time_it_is_sent) {
     ask_and_answer(1, 2, start, start);
     EXPECT_TRUE(pass(1, 1, channels({0, 2}), start + 1s));
     EXPECT_FALSE(pass(1, 1, channels({0, 2}), start + 1s)) << "it left by 2 and came back";
@@ -111,14 +111,14 @@ TEST_F(Guarded, what_entered_a_known_loop_elsewhere_passes_once_each_time_it_is_
     EXPECT_TRUE(pass(1, 1, channels({0, 2}), start + 1200ms)) << "so that this is its sender's";
 }
 
-TEST_F(Guarded, what_was_sent_before_the_loop_was_known_comes_back_as_well) {
+TEST_F(Guarded, a_frame_sent_before_the_loop_was_known_is_also_dropped_when_it_returns) {
     pass(1, 1, channels({0, 2}), start);
     ask_and_answer(2, 1, start, start + 10ms);
     EXPECT_FALSE(pass(1, 1, channels({0, 2}), start + 20ms));
     EXPECT_TRUE(pass(1, 1, channels({0, 2}), start + 30ms));
 }
 
-TEST_F(Guarded, a_loop_is_over_when_its_probes_do_not_come_back_or_after_a_minute) {
+TEST_F(Guarded, a_loop_ends_when_its_probes_do_not_return_or_after_a_minute) {
     ask_and_answer(1, 2, start, start + 10ms);
     EXPECT_TRUE(is_known(1, start + 60s) && is_known(2, start + 60s));
     EXPECT_FALSE(is_known(1, start + 61s) || guard.is_loop(channel(2), start + 61s));
@@ -129,7 +129,7 @@ TEST_F(Guarded, a_loop_is_over_when_its_probes_do_not_come_back_or_after_a_minut
     EXPECT_FALSE(is_known(2, start + 85s));
 }
 
-TEST_F(Guarded, an_old_answer_and_a_made_up_one_tell_nothing) {
+TEST_F(Guarded, old_and_forged_probes_are_ignored) {
     const Bytes old = bytes_of(guard.ask(channel(1), start));
     for (int i = 1; i <= 8; ++i) guard.ask(channel(1), start + i * 1s);
     EXPECT_FALSE(guard.take(ano::FrameView{old}, channel(2), start + 9s));
@@ -146,7 +146,7 @@ TEST_F(Guarded, an_old_answer_and_a_made_up_one_tell_nothing) {
     EXPECT_TRUE(is_known(5, start + 2s)) << "though the next one has left";
 }
 
-TEST_F(Guarded, the_probe_is_one_that_every_bridge_forwards) {
+TEST_F(Guarded, the_probe_is_a_frame_that_every_bridge_forwards) {
     const Bytes probe = bytes_of(guard.ask(channel(1), start));
     ASSERT_TRUE(ano::frame_at(probe));
     EXPECT_TRUE(is_probe(ano::FrameView{probe}));
@@ -159,7 +159,7 @@ TEST_F(Guarded, the_probe_is_one_that_every_bridge_forwards) {
     EXPECT_FALSE(is_probe(ano::FrameView{support::frame(0xFE, 0xFF, 0xFB, data)}));
 }
 
-TEST_F(Guarded, another_gateways_probe_goes_on_once) {
+TEST_F(Guarded, a_probe_of_another_gateway_is_forwarded_once) {
     LoopGuard other{8};
     other.open(channel(0), link(0), 0, true, start);
     const Bytes probe = bytes_of(other.ask(channel(0), start));
@@ -168,7 +168,7 @@ TEST_F(Guarded, another_gateways_probe_goes_on_once) {
     EXPECT_TRUE(guard.take(ano::FrameView{bytes_of(other.ask(channel(0), start))}, channel(1), start));
 }
 
-TEST_F(Guarded, probes_leave_once_a_second_at_most_and_never_by_a_cable) {
+TEST_F(Guarded, probes_are_sent_at_most_once_a_second_and_never_on_a_cable) {
     EXPECT_TRUE(guard.is_due(channel(1), start));
     guard.ask(channel(1), start);
     EXPECT_FALSE(guard.is_due(channel(1), start + 999ms));
@@ -200,7 +200,7 @@ TEST_F(Guarded, copies_of_different_frames_are_counted_together) {
     EXPECT_TRUE(is_known(8, start + 1s));
 }
 
-TEST_F(Guarded, three_boards_that_send_the_same_lose_nothing_at_any_rates_below_that) {
+TEST_F(Guarded, three_boards_that_send_the_same_frame_lose_none_at_rates_below_the_limit) {
     for (int n = 0; n < 10'000; ++n) {
         const TimePoint now = start + n * 1ms;
         if (n % 100 == 0) {
@@ -215,7 +215,7 @@ TEST_F(Guarded, three_boards_that_send_the_same_lose_nothing_at_any_rates_below_
     }
 }
 
-TEST_F(Guarded, a_thousand_copies_in_a_second_are_a_loop_whatever_the_originals) {
+TEST_F(Guarded, a_thousand_copies_in_a_second_are_a_loop_regardless_of_the_originals) {
     for (int n = 0; n < 2000; ++n) {
         pass(1, 0, channels({8}), start + n * 100us);
         pass(1, 8, channels({0}), start + n * 100us);
@@ -223,13 +223,13 @@ TEST_F(Guarded, a_thousand_copies_in_a_second_are_a_loop_whatever_the_originals)
     EXPECT_TRUE(is_known(0, start + 1s) && is_known(8, start + 1s));
 }
 
-TEST_F(Guarded, a_sender_repeats_itself_as_often_as_it_likes) {
+TEST_F(Guarded, a_sender_may_repeat_a_frame_any_number_of_times) {
     for (int n = 0; n < 10'000; ++n) EXPECT_TRUE(pass(1, 0, channels({1, 8}), start + n * 100us));
     EXPECT_TRUE(judge(1, 0, start + 1s).suspect) << "but a loop may go one way";
     EXPECT_FALSE(judge(1, 0, start + 1s).looped);
 }
 
-TEST_F(Guarded, a_sender_that_is_alone_for_two_seconds_is_the_first) {
+TEST_F(Guarded, a_sender_that_is_alone_for_two_seconds_counts_as_the_original) {
     pass(1, 0, channels({1, 2}), start);
     for (auto now = start + 100ms; now < start + 2s; now += 100ms) pass(1, 1, channels({0, 2}), now);
     EXPECT_FALSE(judge(1, 1, start + 2s).suspect);
@@ -237,7 +237,7 @@ TEST_F(Guarded, a_sender_that_is_alone_for_two_seconds_is_the_first) {
     EXPECT_TRUE(judge(1, 0, start + 2100ms).suspect);
 }
 
-TEST_F(Guarded, who_sends_in_a_devices_name_takes_nothing_of_it) {
+TEST_F(Guarded, a_sender_that_uses_the_address_of_a_device_causes_no_loss_of_its_frames) {
     for (int n = 0; n < 1000; ++n) {
         if (n % 500 == 0) {
             EXPECT_TRUE(pass(1, 1, channels({0, 2}), start + n * 1ms));
@@ -246,7 +246,7 @@ TEST_F(Guarded, who_sends_in_a_devices_name_takes_nothing_of_it) {
     }
 }
 
-TEST_F(Guarded, a_channel_that_takes_over_a_number_starts_fresh) {
+TEST_F(Guarded, a_channel_that_reuses_a_number_starts_without_history) {
     guard.remember({1, channel(5), start}, channel(3), start);
     guard.open(channel(3), link(3), 0, true, start);    // in one batch with the frame
     EXPECT_FALSE(judge(1, 3, start).suspect);
@@ -257,34 +257,34 @@ TEST_F(Guarded, a_channel_that_takes_over_a_number_starts_fresh) {
     EXPECT_FALSE(is_known(3, start + 1s) || is_known(4, start + 1s)) << "the loop ends with one of its channels";
 }
 
-TEST_F(Guarded, a_sender_with_a_new_port_goes_on) {
+TEST_F(Guarded, frames_of_a_sender_with_a_new_port_are_not_copies) {
     guard.remember({1, channel(0), start + 1s}, channel(1), start + 1s);
     guard.open(channel(20), link(0), 0, true, start + 1s);
     EXPECT_FALSE(judge(1, 20, start + 2s).suspect);
 }
 
-TEST_F(Guarded, links_of_one_group_are_no_ways_round) {
+TEST_F(Guarded, links_of_one_group_do_not_form_a_loop) {
     guard.open(channel(20), link(20), 3, true, start);
     guard.open(channel(21), link(21), 3, true, start);
     guard.remember({1, channel(20), start + 1s}, channel(1), start + 1s);
     EXPECT_FALSE(judge(1, 21, start + 1s).suspect) << "DuplicateGuard's";
 }
 
-TEST_F(Guarded, a_copy_that_waited_to_be_read_is_one_all_the_same) {
+TEST_F(Guarded, a_copy_that_waited_to_be_read_is_still_a_copy) {
     pass(1, 0, channels({1, 2}), start);
     EXPECT_TRUE(guard.judge({1, channel(1), start + 1s}, start + 4s).suspect);
     EXPECT_FALSE(guard.judge({1, channel(1), start + 2s}, start + 4s).suspect);
 }
 
 // It returns on any link, and is a copy on each.
-TEST_F(Guarded, of_the_gateways_own_frames_all_that_come_are_copies) {
+TEST_F(Guarded, frames_of_the_gateway_that_return_are_copies_on_every_link) {
     guard.remember({1, ourselves, start}, channels({0, 1}), start);
     EXPECT_TRUE(judge(1, 0, start + 1s).suspect && judge(1, 1, start + 1s).suspect);
     ask_and_answer(0, 1, start + 1s, start + 1s);
     EXPECT_TRUE(judge(1, 0, start + 1s).looped && judge(1, 1, start + 1s).looped);
 }
 
-TEST_F(Guarded, of_a_replay_a_copy_is_of_its_device_and_teaches_where_that_is) {
+TEST_F(Guarded, a_copy_of_a_replayed_frame_counts_as_sent_by_the_device_and_teaches_its_address) {
     guard.remember({1, channel(0), start}, channels({1, 2}), start, true);
     const auto copy = judge(1, 1, start + 1s);
     EXPECT_TRUE(copy.suspect && !copy.undecided && !copy.looped);

@@ -73,7 +73,7 @@ TEST(Outbox, first_in_first_out) {
     expect_balanced(outbox);
 }
 
-TEST(Outbox, gathers_as_many_as_there_is_room_for) {
+TEST(Outbox, gathers_as_many_frames_as_there_is_room_for) {
     Outbox outbox = open_outbox(1000, 100);
     for (std::uint8_t n = 0; n < 5; ++n) push(outbox, numbered(n));
     std::array<Piece, 3> pieces;
@@ -94,7 +94,7 @@ TEST(Outbox, partial_send_continues_inside_the_frame) {
     EXPECT_TRUE(outbox.empty());
 }
 
-TEST(Outbox, full_drops_the_oldest) {
+TEST(Outbox, drops_the_oldest_frame_when_full) {
     Outbox outbox = open_outbox(30, 20);    // room for two frames of 12
     for (std::uint8_t n = 1; n <= 3; ++n) push(outbox, numbered(n));
     EXPECT_EQ(gathered(outbox), joined({numbered(2), numbered(3)}));
@@ -102,7 +102,7 @@ TEST(Outbox, full_drops_the_oldest) {
     expect_balanced(outbox);
 }
 
-TEST(Outbox, frame_that_has_begun_to_leave_is_never_dropped) {
+TEST(Outbox, a_partly_sent_frame_is_never_dropped) {
     Outbox outbox = open_outbox(30, 20);
     push(outbox, numbered(1));
     push(outbox, numbered(2));
@@ -115,7 +115,7 @@ TEST(Outbox, frame_that_has_begun_to_leave_is_never_dropped) {
     expect_balanced(outbox);
 }
 
-TEST(Outbox, datagrams_leave_or_fail_one_by_one) {
+TEST(Outbox, datagrams_are_sent_or_fail_one_by_one) {
     Outbox outbox = open_outbox(1000, 100);
     for (std::uint8_t n = 1; n <= 3; ++n) push(outbox, numbered(n));
     outbox.sent_frame();
@@ -126,7 +126,7 @@ TEST(Outbox, datagrams_leave_or_fail_one_by_one) {
     expect_balanced(outbox);
 }
 
-TEST(Outbox, closed_takes_nothing_and_closing_empties) {
+TEST(Outbox, accepts_nothing_when_closed_and_is_emptied_by_closing) {
     Outbox outbox{{.bytes = 1000, .max_data = 100}};
     push(outbox, numbered(1));
     EXPECT_TRUE(outbox.empty());
@@ -144,7 +144,7 @@ TEST(Outbox, closed_takes_nothing_and_closing_empties) {
     EXPECT_EQ(gathered(outbox), numbered(4)) << "whole: what had begun to leave is over";
 }
 
-TEST(Outbox, images_may_be_longer_than_all_other_frames_where_these_may_have_the_usual_length) {
+TEST(Outbox, images_may_be_longer_than_other_frames_if_those_have_the_default_limit) {
     Outbox outbox{{}};
     outbox.open();
     const auto frame_of = [](std::uint8_t id, std::size_t size) { return support::frame(1, 2, id, Bytes(size)); };
@@ -187,7 +187,7 @@ Outbox of_uart() {
     return outbox;
 }
 
-TEST(Outbox, zero_bytes_leave_before_the_next_frame_and_are_no_frame) {
+TEST(Outbox, zero_bytes_are_sent_before_the_next_frame_and_do_not_count_as_a_frame) {
     Outbox outbox = of_uart();
     EXPECT_TRUE(outbox.flush_parser(start));
     EXPECT_FALSE(outbox.empty());
@@ -208,7 +208,7 @@ TEST(Outbox, zero_bytes_leave_before_the_next_frame_and_are_no_frame) {
 }
 
 // A slow line has sent some of them when a setpoint arrives, which does not wait for the rest.
-TEST(Outbox, zero_bytes_end_when_a_second_frame_waits) {
+TEST(Outbox, zero_bytes_stop_when_a_second_frame_waits) {
     Outbox outbox = of_uart();
     ASSERT_TRUE(outbox.flush_parser(start));
     push(outbox, numbered(1), command);
@@ -225,7 +225,7 @@ TEST(Outbox, zero_bytes_end_when_a_second_frame_waits) {
     expect_balanced(outbox);
 }
 
-TEST(Outbox, what_waits_may_be_dropped_except_the_rest_of_a_frame) {
+TEST(Outbox, waiting_frames_can_be_dropped_except_the_rest_of_a_partly_sent_one) {
     Outbox outbox = of_uart();
     for (std::uint8_t n = 1; n <= 3; ++n) push(outbox, numbered(n), n == 2 ? command : QueuePolicy{});
     ASSERT_EQ(gathered(outbox).size(), 36u);
@@ -244,7 +244,7 @@ TEST(Outbox, what_waits_may_be_dropped_except_the_rest_of_a_frame) {
     expect_balanced(outbox);
 }
 
-TEST(Outbox, zero_bytes_leave_once_a_second_and_only_when_nothing_waits) {
+TEST(Outbox, zero_bytes_are_sent_once_a_second_and_only_when_nothing_waits) {
     Outbox outbox = of_uart();
     push(outbox, numbered(1));
     EXPECT_FALSE(outbox.flush_parser(start));
@@ -267,7 +267,7 @@ TEST(Outbox, zero_bytes_leave_once_a_second_and_only_when_nothing_waits) {
 }
 
 // A parser that accepts longer frames still waits after the first ones.
-TEST(Outbox, zero_bytes_are_more_the_second_time) {
+TEST(Outbox, more_zero_bytes_are_sent_the_second_time) {
     Outbox outbox{{.bytes = 1000, .max_data = 100, .flush_bytes = 206, .flush_again_bytes = 306}};
     outbox.open();
     const auto flushed_at = [&](ano::TimePoint now) {
@@ -283,7 +283,7 @@ TEST(Outbox, zero_bytes_are_more_the_second_time) {
     EXPECT_EQ(outbox.counters().flush_bytes, 206u + 306u + 306u + 206u);
 }
 
-TEST(Outbox, tells_whether_a_frame_of_a_channel_waits) {
+TEST(Outbox, reports_whether_a_frame_of_a_channel_waits) {
     Outbox outbox = open_outbox(1000, 100);
     push(outbox, numbered(1), command, 3);
     EXPECT_TRUE(outbox.has_waiting(ChannelId{3}));
@@ -295,7 +295,7 @@ TEST(Outbox, tells_whether_a_frame_of_a_channel_waits) {
     EXPECT_FALSE(outbox.has_waiting(ourselves)) << "it has begun to leave";
 }
 
-TEST(Outbox, urgent_leaves_before_telemetry_before_bulk) {
+TEST(Outbox, urgent_frames_are_sent_before_telemetry_before_bulk) {
     Outbox outbox = open_outbox(1000, 100);
     push(outbox, numbered(1), image);
     push(outbox, numbered(2), text);
@@ -305,7 +305,7 @@ TEST(Outbox, urgent_leaves_before_telemetry_before_bulk) {
     EXPECT_EQ(gathered(outbox), joined({numbered(3), numbered(5), numbered(2), numbered(4), numbered(1)}));
 }
 
-TEST(Outbox, urgent_does_not_overtake_a_frame_that_has_begun) {
+TEST(Outbox, urgent_frames_do_not_overtake_a_partly_sent_frame) {
     Outbox outbox = open_outbox(1000, 100);
     push(outbox, numbered(1), image);
     outbox.sent(11);
@@ -331,7 +331,7 @@ TEST(Outbox, the_rest_of_an_urgent_frame_is_urgent) {
     EXPECT_FALSE(outbox.next(start).urgent);
 }
 
-TEST(Outbox, a_question_that_is_dropped_needs_no_answer) {
+TEST(Outbox, a_dropped_request_needs_no_answer) {
     InFlight questions;
     Outbox outbox = open_outbox(1000, 100);
     outbox.tell(&questions);
@@ -344,7 +344,7 @@ TEST(Outbox, a_question_that_is_dropped_needs_no_answer) {
 }
 
 // Three times the sent amount is offered; nothing can be replaced.
-TEST(Outbox, each_class_keeps_a_tenth_of_the_bytes) {
+TEST(Outbox, each_class_gets_at_least_a_tenth_of_the_bytes) {
     Outbox outbox = open_outbox(4000, 100);
     std::array<std::size_t, 3> bytes{};
     for (int i = 0; i < 20000; ++i) {
@@ -365,7 +365,7 @@ TEST(Outbox, each_class_keeps_a_tenth_of_the_bytes) {
     EXPECT_GT(outbox.counters().queue_full, 20000u);
 }
 
-TEST(Outbox, a_class_that_had_its_share_saves_none_up) {
+TEST(Outbox, a_class_with_nothing_waiting_saves_up_no_share) {
     Outbox outbox = open_outbox(4000, 100);
     for (int i = 0; i < 1000; ++i) {    // nothing else waits
         push(outbox, numbered(0), command);
@@ -376,7 +376,7 @@ TEST(Outbox, a_class_that_had_its_share_saves_none_up) {
     EXPECT_EQ(gathered(outbox), joined({numbered(0), numbered(1)}));
 }
 
-TEST(Outbox, full_of_urgent_drops_its_oldest_and_refuses_the_rest) {
+TEST(Outbox, full_of_urgent_frames_drops_the_oldest_and_refuses_others) {
     Outbox outbox = open_outbox(36, 20);
     for (std::uint8_t n = 1; n <= 4; ++n) push(outbox, numbered(n), command);
     push(outbox, numbered(5), text);
@@ -385,7 +385,7 @@ TEST(Outbox, full_of_urgent_drops_its_oldest_and_refuses_the_rest) {
     expect_balanced(outbox);
 }
 
-TEST(Outbox, oldest_of_the_lowest_class_gives_way) {
+TEST(Outbox, drops_the_oldest_frame_of_the_lowest_class_first) {
     Outbox outbox = open_outbox(48, 20);
     push(outbox, numbered(1), text);
     push(outbox, numbered(2), image);
@@ -399,7 +399,7 @@ TEST(Outbox, oldest_of_the_lowest_class_gives_way) {
     expect_balanced(outbox);
 }
 
-TEST(Outbox, newer_replaces_older_only_while_congested) {
+TEST(Outbox, newer_frames_replace_older_ones_only_while_congested) {
     Outbox outbox = open_outbox(1000, 100);
     push(outbox, numbered(1), attitude);
     push(outbox, numbered(2), attitude);
@@ -415,7 +415,7 @@ TEST(Outbox, newer_replaces_older_only_while_congested) {
     expect_balanced(outbox);
 }
 
-TEST(Outbox, only_its_own_kind_is_replaced) {
+TEST(Outbox, only_frames_of_the_same_kind_are_replaced) {
     Outbox outbox = open_outbox(1000, 100);
     const auto one = [](std::uint8_t source, std::uint8_t destination, std::uint8_t id, Bytes data) {
         return support::frame(source, destination, id, data);
@@ -437,7 +437,7 @@ TEST(Outbox, only_its_own_kind_is_replaced) {
     EXPECT_EQ(outbox.counters().superseded, 1u);
 }
 
-TEST(Outbox, the_only_one_that_waits_can_be_replaced) {
+TEST(Outbox, the_only_waiting_frame_can_be_replaced) {
     Outbox outbox = open_outbox(1000, 100);
     push(outbox, numbered(1), attitude);
     outbox.set_congested();
@@ -448,7 +448,7 @@ TEST(Outbox, the_only_one_that_waits_can_be_replaced) {
 }
 
 // Twenty kinds, the first ten times as often as the others, on a line with a quarter of their rate.
-TEST(Outbox, no_kind_starves_and_what_leaves_is_fresh) {
+TEST(Outbox, no_kind_of_frame_starves_and_sent_frames_are_fresh) {
     Outbox outbox = open_outbox(32 * 1024, 100);
     std::array<int, 20> left{};
     int tick = 0;
@@ -494,7 +494,7 @@ TEST(Outbox, ages_while_the_machine_sleeps) {
     expect_balanced(outbox);
 }
 
-TEST(Outbox, knows_what_has_come_too_late_to_leave) {
+TEST(Outbox, reports_whether_a_received_frame_is_already_stale) {
     const Outbox outbox{{.bytes = 1000, .max_data = 100, .age = {.control = 200ms, .telemetry = 1s, .rest = 5s}}};
     EXPECT_FALSE(outbox.is_stale(policy_of(0x41), 200ms - 1ns));
     EXPECT_TRUE(outbox.is_stale(policy_of(0x41), 200ms));
@@ -502,7 +502,7 @@ TEST(Outbox, knows_what_has_come_too_late_to_leave) {
     EXPECT_TRUE(outbox.is_stale(policy_of(0xC0), 5s));
 }
 
-TEST(Outbox, waits_no_longer_than_its_age_limit) {
+TEST(Outbox, frames_wait_no_longer_than_their_age_limit) {
     Outbox outbox{{.bytes = 1000, .max_data = 100, .age = {.control = 200ms, .telemetry = 1s, .rest = 5s}}};
     outbox.open();
     push(outbox, numbered(1), command);
@@ -524,7 +524,7 @@ TEST(Outbox, waits_no_longer_than_its_age_limit) {
     expect_balanced(outbox);
 }
 
-TEST(Outbox, channels_take_turns_and_below_them_senders) {
+TEST(Outbox, channels_take_turns_and_then_the_senders_of_a_channel) {
     Outbox outbox = open_outbox(1000, 100);
     for (std::uint8_t n = 0; n < 3; ++n) push(outbox, from(1, n), command, 5);
     for (std::uint8_t n = 0; n < 2; ++n) push(outbox, from(2, n), command, 5);
@@ -542,7 +542,7 @@ TEST(Outbox, channels_take_turns_and_below_them_senders) {
     EXPECT_EQ(turns, "cacbcacba");
 }
 
-TEST(Outbox, who_has_not_waited_leaves_before_those_who_do) {
+TEST(Outbox, a_sender_without_waiting_frames_is_served_before_those_with_waiting_ones) {
     Outbox outbox = open_outbox(4000, 100);
     for (std::uint8_t channel = 1; channel < 20; ++channel)
         for (std::uint8_t n = 0; n < 5; ++n) push(outbox, from(1, n), command, channel);
@@ -553,7 +553,7 @@ TEST(Outbox, who_has_not_waited_leaves_before_those_who_do) {
     EXPECT_NE(gathered(outbox, start, 12), from(3, 43)) << "not each time, or the others would wait for ever";
 }
 
-TEST(Outbox, of_one_sender_only_sticks_overtake_and_never_two_in_a_row) {
+TEST(Outbox, only_stick_frames_overtake_others_of_a_sender_and_never_two_in_a_row) {
     Outbox outbox = open_outbox(1000, 100);
     const auto one = [](std::uint8_t id, std::uint8_t n) { return support::frame(0xFE, 0xDC, id, {n}); };
     const auto say = [&](std::uint8_t id, std::uint8_t n) { push(outbox, one(id, n), policy_of(id), 1); };
@@ -565,7 +565,7 @@ TEST(Outbox, of_one_sender_only_sticks_overtake_and_never_two_in_a_row) {
     EXPECT_EQ(gathered(outbox), joined({one(0x40, 3), one(0xE1, 1), one(0x41, 4), one(0xC0, 2), one(0xE1, 5)}));
 }
 
-TEST(Outbox, sticks_overtake_again_when_another_frame_has_left) {
+TEST(Outbox, stick_frames_overtake_again_after_another_frame_was_sent) {
     Outbox outbox = open_outbox(1000, 100);
     const auto one = [](std::uint8_t id, std::uint8_t n) { return support::frame(0xFE, 0xDC, id, {n}); };
     const auto say = [&](std::uint8_t id, std::uint8_t n) { push(outbox, one(id, n), policy_of(id), 1); };
@@ -578,7 +578,7 @@ TEST(Outbox, sticks_overtake_again_when_another_frame_has_left) {
     EXPECT_EQ(gathered(outbox), joined({one(0x40, 4), one(0xE1, 2)}));
 }
 
-TEST(Outbox, what_came_by_another_channel_is_not_replaced) {
+TEST(Outbox, frames_of_another_channel_are_not_replaced) {
     Outbox outbox = open_outbox(1000, 100);
     push(outbox, numbered(1), attitude, 1);
     outbox.set_congested();
@@ -589,7 +589,7 @@ TEST(Outbox, what_came_by_another_channel_is_not_replaced) {
     EXPECT_EQ(outbox.counters().superseded, 1u);
 }
 
-TEST(Outbox, the_oldest_of_who_has_most_gives_way) {
+TEST(Outbox, drops_the_oldest_frame_of_the_sender_with_the_most_waiting) {
     Outbox outbox = open_outbox(100, 20);    // room for eight frames of 12
     push(outbox, from(1, 1), command, 1);
     for (std::uint8_t n = 0; n < 20; ++n) push(outbox, from(2, n), command, 2);
@@ -604,7 +604,7 @@ TEST(Outbox, the_oldest_of_who_has_most_gives_way) {
 }
 
 // A queue of 400 bytes: 40 are reserved for each class, or one frame of up to 100.
-TEST(Outbox, no_class_is_pushed_out_of_the_queue) {
+TEST(Outbox, no_class_is_displaced_from_the_queue_by_another) {
     for (const QueuePolicy flood : {command, text, image})
         for (const QueuePolicy few : {command, text, image}) {
             if (flood == few) continue;

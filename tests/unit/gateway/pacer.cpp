@@ -15,7 +15,7 @@ constexpr TimePoint start{1h};
 // 10 bytes per millisecond: 200 bytes are 20 ms.
 Pacer ten_a_ms() { return Pacer{{.rate = 10000, .latency = 20ms}}; }
 
-TEST(Pacer, idle_line_takes_what_fits_in_latency) {
+TEST(Pacer, allows_as_many_bytes_as_fit_in_the_latency_on_an_idle_line) {
     Pacer pacer = ten_a_ms();
     EXPECT_EQ(pacer.allowance(21, false, start), 200u);
     pacer.sent(150, start);
@@ -24,7 +24,7 @@ TEST(Pacer, idle_line_takes_what_fits_in_latency) {
     EXPECT_EQ(pacer.allowance(21, false, start), 0u);
 }
 
-TEST(Pacer, frame_longer_than_latency_goes_alone_to_an_idle_line) {
+TEST(Pacer, a_frame_longer_than_the_latency_is_sent_alone_on_an_idle_line) {
     Pacer pacer = ten_a_ms();
     EXPECT_EQ(pacer.allowance(1000, false, start), 1000u);
     pacer.sent(1000, start);
@@ -33,7 +33,7 @@ TEST(Pacer, frame_longer_than_latency_goes_alone_to_an_idle_line) {
     EXPECT_EQ(pacer.allowance(1000, false, start + 100ms), 1000u);
 }
 
-TEST(Pacer, spent_budget_comes_back_by_half) {
+TEST(Pacer, a_spent_budget_is_available_again_when_half_is_restored) {
     Pacer pacer = ten_a_ms();
     pacer.sent(200, start);
     EXPECT_EQ(pacer.allowance(20, false, start), 0u);
@@ -43,7 +43,7 @@ TEST(Pacer, spent_budget_comes_back_by_half) {
     EXPECT_EQ(pacer.next_at(150), start + 15ms) << "a larger frame waits until it fits";
 }
 
-TEST(Pacer, urgent_frame_goes_as_soon_as_it_fits) {
+TEST(Pacer, an_urgent_frame_is_sent_as_soon_as_it_fits) {
     Pacer pacer = ten_a_ms();
     pacer.sent(200, start);
     EXPECT_EQ(pacer.allowance(20, false, start), 0u);
@@ -51,7 +51,7 @@ TEST(Pacer, urgent_frame_goes_as_soon_as_it_fits) {
     EXPECT_EQ(pacer.allowance(20, true, start + 2ms), 20u);
 }
 
-TEST(Pacer, late_call_is_no_burst) {
+TEST(Pacer, a_late_call_causes_no_burst) {
     Pacer pacer = ten_a_ms();
     pacer.sent(200, start);
     EXPECT_EQ(pacer.allowance(20, false, start + 10min), 200u);
@@ -59,7 +59,7 @@ TEST(Pacer, late_call_is_no_burst) {
     EXPECT_EQ(pacer.allowance(20, false, start + 10min), 0u);
 }
 
-TEST(Pacer, clock_that_goes_back_stops_nothing) {
+TEST(Pacer, a_clock_set_back_does_not_stop_sending) {
     Pacer pacer = ten_a_ms();
     pacer.sent(200, start);
     EXPECT_EQ(pacer.allowance(20, false, start - 30min), 0u);
@@ -67,7 +67,7 @@ TEST(Pacer, clock_that_goes_back_stops_nothing) {
     EXPECT_EQ(pacer.allowance(20, false, start - 30min + 10ms), 100u);
 }
 
-TEST(Pacer, driver_that_holds_more_slows_it_down) {
+TEST(Pacer, slows_down_when_the_driver_still_holds_more_bytes) {
     Pacer pacer = ten_a_ms();
     pacer.sent(200, start);
     EXPECT_EQ(pacer.allowance(20, false, start), 0u);
@@ -78,7 +78,7 @@ TEST(Pacer, driver_that_holds_more_slows_it_down) {
     EXPECT_EQ(pacer.allowance(20, false, start + 18ms), 100u) << "less says nothing";
 }
 
-TEST(Pacer, reset_forgets_what_was_given) {
+TEST(Pacer, reset_forgets_the_sent_bytes) {
     Pacer pacer = ten_a_ms();
     pacer.sent(1000, start);
     pacer.reset();
@@ -86,7 +86,7 @@ TEST(Pacer, reset_forgets_what_was_given) {
     EXPECT_EQ(pacer.allowance(20, false, start), 200u);
 }
 
-TEST(Pacer, with_a_gap_frames_leave_one_by_one_each_followed_by_a_pause_from_its_end_on_the_wire) {
+TEST(Pacer, with_a_gap_frames_are_sent_one_by_one_with_a_pause_after_the_end_of_each_on_the_wire) {
     Pacer pacer{{.rate = 10'000, .latency = 20ms, .gap = 15ms}};
     EXPECT_EQ(pacer.allowance(50, false, start), 50u) << "no more than the frame, although 200 bytes would fit";
     pacer.sent(50, start);

@@ -18,14 +18,14 @@ std::size_t packed(std::initializer_list<std::size_t> sizes, std::size_t mtu) {
     return frames_in_datagram(frames, mtu);
 }
 
-TEST(Pack, as_many_whole_frames_as_fit) {
+TEST(Pack, contains_as_many_whole_frames_as_fit) {
     EXPECT_EQ(packed({400, 400, 400, 400}, 1400), 3u);
     EXPECT_EQ(packed({400, 400, 400, 200, 8}, 1400), 4u);
     EXPECT_EQ(packed({400, 400}, 1400), 2u);
     EXPECT_EQ(packed({400, 1200, 8}, 1400), 1u) << "in order: a smaller one behind does not overtake";
 }
 
-TEST(Pack, one_at_the_least) {
+TEST(Pack, contains_at_least_one_frame) {
     EXPECT_EQ(packed({1500, 8}, 1400), 1u);
     EXPECT_EQ(packed({8, 8}, 0), 1u);
     EXPECT_EQ(packed({}, 1400), 0u);

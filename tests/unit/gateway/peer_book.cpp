@@ -49,7 +49,7 @@ TEST(PeerBook, a_silent_device_is_overdue_after_the_timeout_and_not_before) {
     EXPECT_EQ(book.overdue(start + 90s), ChannelSet{a});
 }
 
-TEST(PeerBook, a_peer_that_never_brought_its_frame_is_overdue_like_any_other) {
+TEST(PeerBook, a_peer_without_a_frame_is_overdue_like_any_other) {
     Book book;
     book.add(a, phone, true, start);
     EXPECT_EQ(book.overdue(start + 10s), ChannelSet{a});
@@ -70,7 +70,7 @@ TEST(PeerBook, a_host_of_our_networks_that_only_listens_stays_an_hour) {
     }
 }
 
-TEST(PeerBook, one_frame_of_a_host_among_those_of_devices_is_enough) {
+TEST(PeerBook, one_host_frame_among_device_frames_makes_the_peer_a_host) {
     Book book;
     book.join(a, phone, device, start);
     book.heard(a, host, start);
@@ -91,7 +91,7 @@ TEST(PeerBook, a_timeout_of_more_than_an_hour_holds_for_hosts_too) {
     EXPECT_EQ(book.overdue(start + 2h), ChannelSet{a});
 }
 
-TEST(PeerBook, of_the_silent_ones_of_an_address_the_two_latest_stay) {
+TEST(PeerBook, the_two_latest_silent_hosts_of_an_address_stay) {
     Book book;
     book.join(a, phone, host, start);
     book.join(b, phone_again, host, start + 1s);
@@ -106,13 +106,13 @@ TEST(PeerBook, of_the_silent_ones_of_an_address_the_two_latest_stay) {
     EXPECT_TRUE(book.overdue(start + 10min).empty());
 }
 
-TEST(PeerBook, of_those_heard_at_the_same_time_two_stay) {
+TEST(PeerBook, two_of_several_hosts_last_heard_at_the_same_time_stay) {
     Book book;
     for (const ChannelId id : {a, b, c, d}) book.join(id, phone, host, start);
     EXPECT_EQ(book.overdue(start + 60s).size(), 2u);
 }
 
-TEST(PeerBook, a_device_takes_no_place_of_a_silent_host) {
+TEST(PeerBook, devices_do_not_displace_a_silent_host) {
     Book book;
     book.join(a, phone, host, start);
     book.join(b, phone_again, device, start + 1s);
@@ -120,7 +120,7 @@ TEST(PeerBook, a_device_takes_no_place_of_a_silent_host) {
     EXPECT_EQ(book.overdue(start + 5min), ChannelSet{b} | ChannelSet{c});
 }
 
-TEST(PeerBook, three_refusals_over_five_seconds_end_it) {
+TEST(PeerBook, three_refusals_over_five_seconds_end_a_peer) {
     Book book;
     book.join(a, phone, host, start);
     EXPECT_FALSE(book.refused(a, start));
@@ -132,7 +132,7 @@ TEST(PeerBook, three_refusals_over_five_seconds_end_it) {
     EXPECT_EQ(book.next_look(start + 5s), start + 5s);
 }
 
-TEST(PeerBook, two_refusals_are_not_enough_however_long_between_them) {
+TEST(PeerBook, two_refusals_are_not_enough_however_far_apart) {
     Book book;
     book.join(a, phone, host, start);
     EXPECT_FALSE(book.refused(a, start));
@@ -140,7 +140,7 @@ TEST(PeerBook, two_refusals_are_not_enough_however_long_between_them) {
     EXPECT_TRUE(book.overdue(start + 20min).empty());
 }
 
-TEST(PeerBook, a_frame_of_the_peer_makes_refusals_count_from_the_beginning) {
+TEST(PeerBook, a_frame_of_the_peer_resets_the_count_of_refusals) {
     Book book;
     book.join(a, phone, host, start);
     book.refused(a, start);
@@ -153,7 +153,7 @@ TEST(PeerBook, a_frame_of_the_peer_makes_refusals_count_from_the_beginning) {
     EXPECT_TRUE(book.overdue(start + 11s).empty()) << "it came back before it was forgotten";
 }
 
-TEST(PeerBook, a_number_used_again_begins_anew) {
+TEST(PeerBook, a_reused_number_has_no_history) {
     Book book;
     book.join(a, phone, host, start);
     for (const Duration later : {0s, 3s, 6s}) book.refused(a, start + later);
@@ -165,7 +165,7 @@ TEST(PeerBook, a_number_used_again_begins_anew) {
     EXPECT_EQ(book.overdue(start + 66s), ChannelSet{a});
 }
 
-TEST(PeerBook, there_is_a_place_until_all_are_taken) {
+TEST(PeerBook, a_peer_is_accepted_until_the_quota_is_used_up) {
     Book book{60s, 2};
     book.join(a, phone, device, start);
     EXPECT_TRUE(book.place_for(laptop, start).free);
@@ -174,7 +174,7 @@ TEST(PeerBook, there_is_a_place_until_all_are_taken) {
     EXPECT_FALSE(book.place_for(phone_again, start).free);
 }
 
-TEST(PeerBook, who_came_once_drives_out_nobody_but_one_that_came_once_and_is_silent) {
+TEST(PeerBook, a_new_sender_displaces_only_a_silent_one_that_sent_once) {
     Book book{60s, 3};
     book.join(a, phone, host, start);
     book.join(b, phone_again, host, start);
@@ -187,7 +187,7 @@ TEST(PeerBook, who_came_once_drives_out_nobody_but_one_that_came_once_and_is_sil
     EXPECT_FALSE(book.place_for(at("10.0.0.1:3"), start + 80s).free) << "one that listens came more than once, two spoke";
 }
 
-TEST(PeerBook, who_comes_again_an_exchange_later_drives_out_who_came_once_from_an_address_of_several) {
+TEST(PeerBook, a_sender_that_returns_later_displaces_one_that_sent_once_of_an_address_with_several_peers) {
     Book book{60s, 3};
     book.join(a, phone, host, start);
     book.heard(a, host, start + 1s);
@@ -204,7 +204,7 @@ TEST(PeerBook, who_comes_again_an_exchange_later_drives_out_who_came_once_from_a
     EXPECT_EQ(book.place_for(stranger, start + 61s).gives_way, a) << "one that listens, when its place is needed";
 }
 
-TEST(PeerBook, a_stranger_that_comes_again_after_the_timeout_comes_for_the_first_time) {
+TEST(PeerBook, a_stranger_that_returns_after_the_timeout_counts_as_new) {
     Book book{60s, 1};
     book.join(a, phone, host, start);
     book.heard(a, host, start + 1s);
@@ -214,7 +214,7 @@ TEST(PeerBook, a_stranger_that_comes_again_after_the_timeout_comes_for_the_first
     EXPECT_EQ(book.place_for(stranger, start + 62s).gives_way, a);
 }
 
-TEST(PeerBook, a_stranger_that_never_stays_away_for_the_timeout_comes_again_each_time) {
+TEST(PeerBook, a_stranger_that_returns_within_the_timeout_counts_as_returning) {
     Book book{60s, 1};
     book.join(a, phone, host, start);
     book.heard(a, host, start + 2s);
@@ -224,7 +224,7 @@ TEST(PeerBook, a_stranger_that_never_stays_away_for_the_timeout_comes_again_each
     EXPECT_EQ(book.place_for(stranger, start + 70s).gives_way, a);
 }
 
-TEST(PeerBook, an_address_that_knocks_at_ever_new_ports_makes_no_other_knock_forgotten) {
+TEST(PeerBook, an_address_that_tries_many_ports_does_not_displace_the_attempts_of_others) {
     Book book{60s, 1};
     book.join(a, phone, host, start);
     book.heard(a, host, start + 1s);
@@ -234,7 +234,7 @@ TEST(PeerBook, an_address_that_knocks_at_ever_new_ports_makes_no_other_knock_for
     EXPECT_EQ(book.place_for(laptop, silent + 1s).gives_way, a);
 }
 
-TEST(PeerBook, an_address_has_so_many_places_and_fills_no_other) {
+TEST(PeerBook, an_address_has_a_limited_quota_and_replaces_only_peers_of_the_same_address) {
     Book book{60s, 8, 2};
     book.join(a, phone, host, start);
     book.join(b, phone_again, host, start + 1s);
@@ -244,7 +244,7 @@ TEST(PeerBook, an_address_has_so_many_places_and_fills_no_other) {
     EXPECT_EQ(book.place_for(phone_anew, start + 2s).gives_way, a) << "one of its own, when it comes again";
 }
 
-TEST(PeerBook, one_address_drives_out_nobody_of_another_however_many_ports_it_has) {
+TEST(PeerBook, one_address_displaces_no_peer_of_another_however_many_ports_it_uses) {
     Book book{60s, 8, 2};
     book.join(a, laptop, host, start);
     ChannelSet strangers;
@@ -262,7 +262,7 @@ TEST(PeerBook, one_address_drives_out_nobody_of_another_however_many_ports_it_ha
     }
 }
 
-TEST(PeerBook, programs_of_this_machine_drive_out_each_other_and_have_no_share) {
+TEST(PeerBook, programs_of_this_machine_displace_each_other_and_have_no_share) {
     Book book{60s, 3, 1};
     book.join(a, at("127.0.0.1:1"), host, start);
     EXPECT_TRUE(book.place_for(at("127.0.0.1:2"), start).free);
@@ -273,7 +273,7 @@ TEST(PeerBook, programs_of_this_machine_drive_out_each_other_and_have_no_share) 
     EXPECT_EQ(book.place_for(at("[::1]:3"), start + 4ms).gives_way, b);
 }
 
-TEST(PeerBook, no_broadcast_or_multicast_address_nobody_and_no_port_0_is_a_peer) {
+TEST(PeerBook, broadcast_multicast_and_unspecified_addresses_and_port_0_are_never_peers) {
     const std::vector<Network> own{*Network::parse("192.168.1.5/24"), *Network::parse("10.0.0.1/31")};
     for (const char* good : {"192.168.1.20:5000", "8.8.8.8:53", "10.0.0.0:1", "[fe80::1]:1", "127.0.0.1:1"})
         EXPECT_TRUE(can_be_peer(at(good), own)) << good;
@@ -282,7 +282,7 @@ TEST(PeerBook, no_broadcast_or_multicast_address_nobody_and_no_port_0_is_a_peer)
         EXPECT_FALSE(can_be_peer(at(bad), own)) << bad;
 }
 
-TEST(PeerBook, what_is_known_of_a_peer_goes_to_another_book) {
+TEST(PeerBook, the_state_of_a_peer_can_be_moved_to_another_book) {
     Book book, next;
     book.join(a, phone, host, start);
     book.heard(a, host, start + 2s);
@@ -310,7 +310,7 @@ TEST(PeerBook, a_device_that_sent_a_single_datagram_is_overdue_after_ten_seconds
     EXPECT_EQ(impatient.overdue(start + 5s), ChannelSet{a});
 }
 
-TEST(PeerBook, a_host_that_sent_a_single_datagram_listens_two_of_an_address_and_eight_in_all) {
+TEST(PeerBook, hosts_that_sent_one_datagram_may_listen_two_per_address_and_eight_in_total) {
     Book book;
     book.join_once(a, phone, host, start);
     EXPECT_EQ(book.listening_since(a), start);
@@ -326,7 +326,7 @@ TEST(PeerBook, a_host_that_sent_a_single_datagram_listens_two_of_an_address_and_
         << "in all the first stay";
 }
 
-TEST(PeerBook, programs_of_this_machine_may_listen_as_they_always_did) {
+TEST(PeerBook, programs_of_this_machine_may_listen_for_a_minute_beyond_the_limit) {
     Book book;
     for (std::uint8_t n = 0; n < 10; ++n)
         book.join_once(static_cast<ChannelId>(n), {IpAddress::v4(127, 0, 0, 1), static_cast<std::uint16_t>(5000 + n)}, host,
@@ -335,14 +335,14 @@ TEST(PeerBook, programs_of_this_machine_may_listen_as_they_always_did) {
     EXPECT_EQ(book.overdue(start + 60s).size(), 8u);
 }
 
-TEST(PeerBook, one_refusal_ends_who_sent_a_single_datagram) {
+TEST(PeerBook, one_refusal_ends_a_peer_that_sent_a_single_datagram) {
     Book book;
     book.join_once(a, phone, host, start);
     EXPECT_TRUE(book.refused(a, start + 1s));
     EXPECT_EQ(book.overdue(start + 1s), ChannelSet{a});
 }
 
-TEST(PeerBook, places_are_kept_for_hosts_that_command_and_for_trusted_ones) {
+TEST(PeerBook, quota_is_reserved_for_hosts_that_command_and_for_trusted_ones) {
     using enum PeerBook::Rank;
     Book book{PeerBook::Options{60s, 4, 4, 2, 1}};
     book.join_once(a, phone, host, start);
@@ -361,7 +361,7 @@ TEST(PeerBook, places_are_kept_for_hosts_that_command_and_for_trusted_ones) {
     EXPECT_EQ(book.place_for(at("10.0.0.6:1"), start + 61s, commands).gives_way, c);
 }
 
-TEST(PeerBook, a_peer_that_becomes_one_that_commands_needs_no_kept_place) {
+TEST(PeerBook, a_peer_that_starts_to_command_uses_the_reserved_quota) {
     Book book{PeerBook::Options{60s, 2, 2, 1, 0}};
     book.join(a, phone, host, start);
     EXPECT_FALSE(book.place_for(laptop, start).free);
@@ -370,7 +370,7 @@ TEST(PeerBook, a_peer_that_becomes_one_that_commands_needs_no_kept_place) {
 }
 
 // So its command is forwarded, however many other hosts send commands, and the earlier peers stay.
-TEST(PeerBook, the_last_host_that_commands_gives_way_to_another_one) {
+TEST(PeerBook, the_latest_commanding_host_is_replaced_by_another_one) {
     using enum PeerBook::Rank;
     Book book{PeerBook::Options{60s, 3, 3, 1, 0}};
     book.join_once(a, phone, host, start, commands);
@@ -392,7 +392,7 @@ TEST(PeerBook, the_last_host_that_commands_gives_way_to_another_one) {
 }
 
 // 30 addresses, each five times a second, all simultaneously or one after the other.
-TEST(PeerBook, a_late_operator_gets_his_commands_through_a_crowd_that_commands) {
+TEST(PeerBook, commands_of_a_late_operator_get_through_among_many_commanding_hosts) {
     using enum PeerBook::Rank;
     for (const Duration apart : std::initializer_list<Duration>{0ms, 1ms, 6ms}) {
         Book book{PeerBook::Options{60s, 16, 4, 4, 0}};
@@ -421,7 +421,7 @@ TEST(PeerBook, a_late_operator_gets_his_commands_through_a_crowd_that_commands) 
     }
 }
 
-TEST(PeerBook, on_this_machine_too_who_came_once_does_not_drive_out_who_came_again) {
+TEST(PeerBook, on_this_machine_too_a_new_sender_does_not_displace_one_that_sent_repeatedly) {
     const Endpoint local = at("127.0.0.1:1"), stranger = at("127.0.0.1:2");
     Book book{60s, 1};
     book.join(a, local, host, start);

@@ -38,14 +38,14 @@ struct Presented : testing::Test {
     }
 };
 
-TEST_F(Presented, what_any_host_sends_arrives_as_from_the_one) {
+TEST_F(Presented, frames_of_any_host_are_sent_with_the_one_presented_address) {
     for (const std::uint8_t from : {ros, user, host})
         for (const std::uint8_t id : Bytes{0x40, 0x41, 0x60, 0x61, 0xC0, 0xC1, 0xE0, 0xE1, 0xF0})
             EXPECT_EQ(out(frame(from, fc, id, {1, 2, 3})), frame(host, fc, id, {1, 2, 3})) << int{from} << " " << int{id};
     EXPECT_EQ(out(frame(ros, 0xFF, 0xF1, {1})), frame(host, 0xFF, 0xF1, {1})) << "whatever a host address says";
 }
 
-TEST_F(Presented, what_devices_say_stays_theirs) {
+TEST_F(Presented, frames_of_devices_keep_their_address) {
     EXPECT_EQ(out(frame(0xDE, 0xFF, 0x51, {1})), frame(0xDE, 0xFF, 0x51, {1})) << "a measurement";
     EXPECT_EQ(out(frame(0xDD, host, 0xE1, {1, 0, 5})), frame(0xDD, host, 0xE1, {1, 0, 5}))
         << "another device's answer to the host";
@@ -55,7 +55,7 @@ TEST_F(Presented, what_devices_say_stays_theirs) {
         << "a device of the link to a host of the link";
 }
 
-TEST_F(Presented, an_answer_goes_to_who_asked) {
+TEST_F(Presented, an_answer_is_sent_to_the_requester) {
     struct Row {
         std::uint8_t asked;
         Bytes question;
@@ -84,7 +84,7 @@ TEST_F(Presented, an_answer_goes_to_who_asked) {
     }
 }
 
-TEST_F(Presented, an_acknowledgement_names_the_bytes_that_the_asker_sent) {
+TEST_F(Presented, an_acknowledgement_carries_the_checksum_that_the_requester_sent) {
     const Bytes requests[] = {frame(user, fc, 0xC0, {1, 2, 3}), frame(user, fc, 0xE1, {3, 0, 42}),
                               frame(user, fc, 0xE0, {0x10, 0xAB, 0}), frame(user, 0xFF, 0xC0, {1, 2, 3}),
                               frame(user, fc, 0x61, Bytes(22))};
@@ -95,7 +95,7 @@ TEST_F(Presented, an_acknowledgement_names_the_bytes_that_the_asker_sent) {
     }
 }
 
-TEST_F(Presented, what_nobody_asked_for_goes_to_the_host) {
+TEST_F(Presented, unsolicited_answers_are_sent_to_the_host) {
     out(frame(ros, fc, 0xE0, {2, 5, 0}));
     EXPECT_EQ(asker(0xE1, {6, 0, 1}), host) << "another parameter";
     EXPECT_EQ(asker(0xE1, {5, 0, 1}, 0xDD), host) << "another device";
@@ -107,7 +107,7 @@ TEST_F(Presented, what_nobody_asked_for_goes_to_the_host) {
     EXPECT_EQ(asker(0xE1, {5, 0, 1}), ros) << "and the one asked for is still to come";
 }
 
-TEST_F(Presented, several_who_ask_the_same_are_answered_in_turn) {
+TEST_F(Presented, several_equal_requests_are_answered_in_turn) {
     for (const std::uint8_t from : {user, host, ros}) out(frame(from, fc, 0xE0, {2, 5, 0}));
     EXPECT_EQ(asker(0xE1, {5, 0, 1}), user);
     EXPECT_EQ(asker(0xE1, {5, 0, 1}), host);
@@ -115,7 +115,7 @@ TEST_F(Presented, several_who_ask_the_same_are_answered_in_turn) {
     EXPECT_EQ(asker(0xE1, {5, 0, 1}), host) << "all have theirs";
 }
 
-TEST_F(Presented, one_who_repeats_himself_does_not_keep_others_from_their_answer) {
+TEST_F(Presented, a_repeating_requester_does_not_keep_others_from_their_answer) {
     for (int n = 0; n < 5; ++n) out(frame(user, fc, 0xE0, {2, 5, 0}));
     out(frame(ros, fc, 0xE0, {2, 5, 0}));
     EXPECT_EQ(asker(0xE1, {5, 0, 1}), user);
@@ -123,7 +123,7 @@ TEST_F(Presented, one_who_repeats_himself_does_not_keep_others_from_their_answer
     EXPECT_EQ(asker(0xE1, {5, 0, 1}), user) << "or several";
 }
 
-TEST_F(Presented, acknowledgements_of_the_same_command_are_told_apart) {
+TEST_F(Presented, acknowledgements_of_equal_commands_are_assigned_to_each_sender) {
     const Bytes mine = frame(user, fc, 0xC0, {1, 2, 3}), theirs = frame(ros, fc, 0xC0, {1, 2, 3});
     const Bytes reached = out(mine);
     EXPECT_EQ(out(theirs), reached);
@@ -131,7 +131,7 @@ TEST_F(Presented, acknowledgements_of_the_same_command_are_told_apart) {
     EXPECT_EQ(in(acknowledgement(reached, fc, host)), acknowledgement(theirs, fc, ros));
 }
 
-TEST_F(Presented, a_question_to_everybody_is_answered_by_each) {
+TEST_F(Presented, a_broadcast_request_is_answered_by_each_device) {
     out(frame(user, 0xFF, 0xE0, {0, 0, 0}));
     out(frame(ros, 0xFF, 0xE0, {0, 0, 0}));
     for (const std::uint8_t device : {fc, std::uint8_t{0xDD}}) {
@@ -141,13 +141,13 @@ TEST_F(Presented, a_question_to_everybody_is_answered_by_each) {
     }
 }
 
-TEST_F(Presented, an_answer_to_everybody_is_one) {
+TEST_F(Presented, a_broadcast_answer_counts_as_the_answer) {
     out(frame(ros, fc, 0xE0, {2, 5, 0}));
     EXPECT_EQ(in(frame(fc, 0xFF, 0xE1, {5, 0, 1})), frame(fc, 0xFF, 0xE1, {5, 0, 1}));
     EXPECT_EQ(asker(0xE1, {5, 0, 1}), host);
 }
 
-TEST_F(Presented, a_question_to_the_port_is_answered_by_what_is_behind_it) {
+TEST_F(Presented, a_request_to_a_port_is_answered_by_the_device_behind_it) {
     hosts.add_port(3);
     out(frame(ros, 3, 0xE0, {2, 5, 0}));
     EXPECT_EQ(asker(0xE1, {5, 0, 1}), ros);
@@ -155,7 +155,7 @@ TEST_F(Presented, a_question_to_the_port_is_answered_by_what_is_behind_it) {
     EXPECT_EQ(asker(0xE1, {5, 0, 1}), host) << "4 is a device";
 }
 
-TEST_F(Presented, a_frame_to_several_channels_is_one_question) {
+TEST_F(Presented, a_frame_to_several_channels_is_one_request) {
     const Bytes question = frame(ros, fc, 0xE0, {2, 5, 0});
     ++number;
     for (int channel = 0; channel < 3; ++channel)
@@ -164,7 +164,7 @@ TEST_F(Presented, a_frame_to_several_channels_is_one_question) {
     EXPECT_EQ(asker(0xE1, {5, 0, 1}), host);
 }
 
-TEST_F(Presented, memory_ends) {
+TEST_F(Presented, memory_expires) {
     out(frame(ros, fc, 0xE0, {2, 5, 0}));
     const Bytes reached = out(frame(ros, fc, 0xC0, {1, 2, 3}));
     now += PresentAs::memory - 1ms;
@@ -175,7 +175,7 @@ TEST_F(Presented, memory_ends) {
     EXPECT_EQ(in(acknowledgement(reached, fc, host)), acknowledgement(reached, fc, host));
 }
 
-TEST_F(Presented, memory_is_bounded_and_the_oldest_goes) {
+TEST_F(Presented, memory_is_bounded_and_drops_the_oldest_request) {
     out(frame(ros, fc, 0xE0, {2, 0, 0}));
     out(frame(ros, fc, 0xE0, {2, 1, 0}));
     for (int n = 0; n < 255; ++n) out(frame(user, fc, 0xE0, {3, 0, 0}));
@@ -183,7 +183,7 @@ TEST_F(Presented, memory_is_bounded_and_the_oldest_goes) {
     EXPECT_EQ(asker(0xE1, {1, 0, 1}), ros);
 }
 
-TEST_F(Presented, where_the_memory_is_full_answers_keep_the_order_of_the_questions) {
+TEST_F(Presented, answers_keep_the_order_of_the_requests_when_the_memory_is_full) {
     out(frame(ros, fc, 0xE0, {3, 0, 0}));
     out(frame(user, fc, 0xE0, {2, 5, 0}));
     for (int n = 0; n < 254; ++n) out(frame(user, fc, 0xE0, {3, 0, 0}));
@@ -192,14 +192,14 @@ TEST_F(Presented, where_the_memory_is_full_answers_keep_the_order_of_the_questio
     EXPECT_EQ(asker(0xE1, {5, 0, 1}), ros);
 }
 
-TEST_F(Presented, streams_leave_the_memory_alone) {
+TEST_F(Presented, streams_displace_nothing_in_the_memory) {
     out(frame(ros, fc, 0xE0, {2, 5, 0}));
     for (int n = 0; n < 2000; ++n)
         out(frame(ros, fc, n % 2 ? 0x41 : 0xF1, {static_cast<std::uint8_t>(n), static_cast<std::uint8_t>(n >> 8)}));
     EXPECT_EQ(asker(0xE1, {5, 0, 1}), ros);
 }
 
-TEST_F(Presented, a_firmware_update_is_told_of_every_step) {
+TEST_F(Presented, all_answers_of_a_firmware_update_reach_the_requester) {
     out(frame(user, fc, 0xF0, {1, 9, 9}));
     EXPECT_EQ(asker(0xF0, {0, 0x02, 0x01}), user);
     now += 30s;
@@ -221,7 +221,7 @@ TEST_F(Presented, short_and_large_frames_pass) {
 }
 
 // Outbound frames pass the host mapping, then the alias; inbound frames the alias, then the host mapping.
-TEST_F(Presented, an_acknowledgement_finds_its_way_through_an_alias_as_well) {
+TEST_F(Presented, an_acknowledgement_also_returns_through_an_alias) {
     Aliases aliases{{{.device = 0xDE, .as = 31}}, 200};
     const Bytes sent = frame(ros, 31, 0xE1, {3, 0, 42});
     const Bytes presented = out(sent);
@@ -231,7 +231,7 @@ TEST_F(Presented, an_acknowledgement_finds_its_way_through_an_alias_as_well) {
     EXPECT_EQ(in(answer), acknowledgement(sent, 31, ros));
 }
 
-TEST_F(Presented, a_link_with_larger_frames_gets_room) {
+TEST_F(Presented, room_grows_for_a_link_with_larger_frames) {
     const Bytes largest = frame(user, fc, 0xC0, Bytes(300, 1));
     EXPECT_EQ(out(largest), largest) << "for the outbox to refuse";
     hosts.make_room(300);
@@ -241,7 +241,7 @@ TEST_F(Presented, a_link_with_larger_frames_gets_room) {
     EXPECT_EQ(out(largest)[1], host) << "never less";
 }
 
-TEST_F(Presented, a_port_that_is_removed_reaches_nobody) {
+TEST_F(Presented, requests_to_a_removed_port_are_not_matched_with_answers) {
     constexpr std::uint8_t port = 3;
     hosts.add_port(port);
     out(frame(user, port, 0xE0, {2, 5, 0}));

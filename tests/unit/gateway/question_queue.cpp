@@ -42,7 +42,7 @@ protected:
     QuestionQueue queue{outbox, {.bytes = 1000, .age = 5s}};
 };
 
-TEST_F(BusyDevice, what_waits_for_it_ages_while_the_machine_sleeps) {
+TEST_F(BusyDevice, waiting_requests_age_while_the_machine_sleeps) {
     ask(8, ChannelId{0});
     ask(9, ChannelId{1});
     ask(10, ChannelId{0});
@@ -52,7 +52,7 @@ TEST_F(BusyDevice, what_waits_for_it_ages_while_the_machine_sleeps) {
     EXPECT_EQ(queue.counters().stale, 3u);
 }
 
-TEST_F(BusyDevice, what_waits_for_it_has_left_what_the_sleep_left_of_its_time) {
+TEST_F(BusyDevice, a_waiting_request_keeps_only_the_time_that_remains_after_the_sleep) {
     ask(8);
     queue.grow_older(3s);
     queue.grow_older(1900ms);
@@ -63,7 +63,7 @@ TEST_F(BusyDevice, what_waits_for_it_has_left_what_the_sleep_left_of_its_time) {
     EXPECT_EQ(queue.counters().stale, 1u);
 }
 
-TEST_F(BusyDevice, what_came_after_the_sleep_is_as_young_as_it_is) {
+TEST_F(BusyDevice, a_request_received_after_the_sleep_does_not_age_by_it) {
     ask(8);
     queue.grow_older(5s);
     ask(9, ourselves, start + 1ms);    // this drops the other
@@ -73,7 +73,7 @@ TEST_F(BusyDevice, what_came_after_the_sleep_is_as_young_as_it_is) {
     EXPECT_EQ(send(start + InFlight::patience), 1u);
 }
 
-TEST_F(BusyDevice, what_slept_is_no_younger_in_the_outbox) {
+TEST_F(BusyDevice, a_request_that_waited_during_the_sleep_keeps_its_age_in_the_outbox) {
     ask(8);
     queue.grow_older(4s);
     EXPECT_TRUE(queue.release(start + InFlight::patience));
@@ -81,7 +81,7 @@ TEST_F(BusyDevice, what_slept_is_no_younger_in_the_outbox) {
     EXPECT_EQ(outbox.counters().stale, 1u);
 }
 
-TEST_F(BusyDevice, a_question_as_large_as_the_room_waits_there_alone) {
+TEST_F(BusyDevice, a_request_as_large_as_the_queue_waits_there_alone) {
     const Bytes one = question(8), other = question(9);
     QuestionQueue small{outbox, {.bytes = one.size()}};
     for (std::uint8_t n = 0; n < InFlight::max_questions; ++n) small.push(ano::FrameView{one}, policy_of(0xE0), start);

@@ -22,7 +22,7 @@ TEST(ResetPolicy, silence_counts_from_the_last_frame) {
     EXPECT_EQ(policy.due(), start + 19s);
 }
 
-TEST(ResetPolicy, without_a_when_silence_is_no_reason) {
+TEST(ResetPolicy, without_a_when_silence_causes_no_pulse) {
     const ResetPolicy policy{std::nullopt, start};
     EXPECT_EQ(policy.due(), std::nullopt);
     EXPECT_TRUE(policy.may_pulse(start));
@@ -43,7 +43,7 @@ TEST(ResetPolicy, a_silence_longer_than_a_minute_counts_again_after_a_pulse) {
     EXPECT_EQ(policy.due(), start + 600s);
 }
 
-TEST(ResetPolicy, a_device_that_speaks_after_the_pulse_is_left_alone) {
+TEST(ResetPolicy, a_device_that_sends_after_the_pulse_is_not_reset) {
     ResetPolicy policy{10s, start};
     policy.pulsed(start + 10s);
     policy.heard(start + 65s);

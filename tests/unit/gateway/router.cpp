@@ -5,13 +5,13 @@ using namespace routing;
 namespace router_tests {
 namespace {
 
-TEST(Router, broadcast_goes_everywhere_but_back) {
+TEST(Router, a_broadcast_is_sent_everywhere_except_back) {
     Net net{{}, {{}, {}, {.broadcast = false}, {}}};
     expect(net.route(0, 0xDC, 0xFF), channels({1, 3}), Via::broadcast);
     expect(net.route(2, 0xDD, 0xFF), channels({0, 1, 3}), Via::broadcast);
 }
 
-TEST(Router, port_id_is_the_link_that_bears_it) {
+TEST(Router, frames_for_a_port_id_are_sent_to_the_link_that_has_it) {
     Net net{{}, {{}, {.port_id = 5}, {}, {}}};
     expect(net.route(0, 0xFE, 5), channels({1}), Via::port);
     net.route(2, 5, 0xFE);
@@ -19,13 +19,13 @@ TEST(Router, port_id_is_the_link_that_bears_it) {
     expect(net.route(1, 0xFE, 5), {}, Via::port);               // not sent back
 }
 
-TEST(Router, port_id_that_no_link_bears_is_an_address_like_any) {
+TEST(Router, a_port_id_without_a_link_is_an_ordinary_address) {
     Net net;
     net.route(2, 7, 0xFE);
     expect(net.route(0, 0xFE, 7), channels({2}), Via::learned);
 }
 
-TEST(Router, pinned_address_goes_to_its_links_wherever_it_was_heard) {
+TEST(Router, frames_for_a_pinned_address_are_sent_to_its_links_wherever_it_was_seen) {
     Net net;
     net->pin(30, 40, link(1));
     net->pin(40, 40, link(2));
@@ -48,7 +48,7 @@ TEST(Router, link_without_a_channel_is_absent) {
     expect(net.route(0, 0xFE, 50), channels({1}), Via::pinned, LinkSet{listener});
 }
 
-TEST(Router, link_with_several_channels_gives_to_all_but_the_one_it_came_by) {
+TEST(Router, a_link_with_several_channels_sends_to_all_except_the_source_channel) {
     Net net;
     net->open(channel(10), link(1));
     net->open(channel(11), link(1));
@@ -57,14 +57,14 @@ TEST(Router, link_with_several_channels_gives_to_all_but_the_one_it_came_by) {
     expect(net.route(10, 0xFE, 50), channels({1, 11}), Via::pinned);
 }
 
-TEST(Router, learned_address_goes_where_it_was_heard) {
+TEST(Router, frames_for_a_learned_address_are_sent_where_it_was_seen) {
     Net net;
     net.route(1, 0xDC, 0xFF);
     expect(net.route(0, 0xFE, 0xDC), channels({1}), Via::learned);
     expect(net.route(1, 0xFE, 0xDC), {}, Via::learned);    // a neighbour on the same line, which has received it already
 }
 
-TEST(Router, learned_address_is_forgotten_after_its_time) {
+TEST(Router, a_learned_address_expires_after_its_time) {
     Net net{settings([](auto& s) { s.forget_after = 10s; })};
     net.route(1, 0xDC, 0xFF);
     net.now += 10s - 1ns;
@@ -75,7 +75,7 @@ TEST(Router, learned_address_is_forgotten_after_its_time) {
     expect(net.route(0, 0xFE, 0xDC), channels({1, 2, 3}), Via::unknown);
 }
 
-TEST(Router, a_host_whose_wires_are_gone_is_sought_where_nobody_was_heard) {
+TEST(Router, frames_for_a_host_whose_links_are_down_are_also_sent_where_no_device_was_seen) {
     Net net;
     for (const unsigned n : {1u, 2u}) net.route(n, 0xFE, 0xFF);
     net->went_down(channel(1));
@@ -91,7 +91,7 @@ TEST(Router, a_host_whose_wires_are_gone_is_sought_where_nobody_was_heard) {
     expect(net.route(3, 0xDC, 0xFE), channels({0, 1, 2}), Via::learned);    // 0 also sent as the host
 }
 
-TEST(Router, a_host_whose_wires_are_gone_is_sought_as_far_as_unheard_addresses_are) {
+TEST(Router, frames_for_a_host_whose_links_are_down_follow_the_rule_for_unknown_addresses) {
     Net dropping{settings([](GatewaySettings& s) { s.unknown = Unknown::drop; })};
     dropping.route(1, 0xFE, 0xFF);
     dropping->went_down(channel(1));
@@ -130,7 +130,7 @@ TEST(Router, hosts_stay_on_every_channel_until_it_closes) {
     EXPECT_TRUE(net->conflicts(net.now).empty());
 }
 
-TEST(Router, unknown_is_flooded_dropped_or_sent_to_one_link) {
+TEST(Router, unknown_addresses_are_flooded_dropped_or_sent_to_one_link) {
     Net flood{{}, {{}, {}, {.flood = false}, {}}};
     expect(flood.route(0, 0xFE, 60), channels({1, 3}), Via::unknown);
     Net drop{settings([](auto& s) { s.unknown = Unknown::drop; })};
@@ -143,7 +143,7 @@ TEST(Router, unknown_is_flooded_dropped_or_sent_to_one_link) {
     expect(one.route(0, 0xFE, 60), {}, Via::unknown, links({2}));
 }
 
-TEST(Router, no_receiver_and_no_sender_teach_nothing) {
+TEST(Router, sources_0x00_and_0xFF_teach_nothing) {
     Net net;
     net.route(1, 0x00, 0xFE);
     net.route(1, 0xFF, 0xFE);
@@ -154,7 +154,7 @@ TEST(Router, no_receiver_and_no_sender_teach_nothing) {
     EXPECT_EQ(net->learned(0xFE, net.now).links, links({0}));    // its source is learned nevertheless
 }
 
-TEST(Router, own_id_ends_here) {
+TEST(Router, frames_for_the_id_of_the_gateway_are_not_forwarded) {
     Net net{settings([](auto& s) { s.id = 199; })};
     net->pin(199, 199, link(2));
     expect(net.route(0, 0xFE, 199), {}, Via::own);
@@ -163,7 +163,7 @@ TEST(Router, own_id_ends_here) {
     EXPECT_EQ(net->own_frames(), 1u);
 }
 
-TEST(Router, what_was_spread_is_guarded) {
+TEST(Router, frames_sent_to_several_links_are_guarded) {
     Net net{{}, {{}, {.group = 1}, {.group = 1}, {}}};
     net.route(1, 0xDC, 0xFE);
     EXPECT_EQ(net.route(0, 0xFE, 0xFF).guarded, channels({1, 2, 3}));
@@ -173,7 +173,7 @@ TEST(Router, what_was_spread_is_guarded) {
     EXPECT_EQ(net.route(1, 0xDC, 0xFE).guarded, channels({0, 3})) << "two hosts";
 }
 
-TEST(Router, a_host_by_the_only_other_channel_needs_no_guard_once_the_third_is_closed) {
+TEST(Router, a_host_on_the_only_other_channel_needs_no_guard_after_the_third_closes) {
     Net net{{}, {{}, {}, {}}};
     net.route(1, 0xFE, 0xFF);
     EXPECT_EQ(net.route(0, 0xDC, 0xFE).guarded, channels({1}));

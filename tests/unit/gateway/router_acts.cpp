@@ -17,7 +17,7 @@ struct Acts : testing::Test {
     Net net;
 };
 
-TEST_F(Acts, for_an_unknown_address_do_not_get_to_other_devices) {
+TEST_F(Acts, for_an_unknown_address_are_not_sent_to_other_devices) {
     hear(1, old);
     hear(2, 0xDC);
     expect(act(0, unknown), channels({3}), Via::unknown);
@@ -27,7 +27,7 @@ TEST_F(Acts, for_an_unknown_address_do_not_get_to_other_devices) {
 }
 
 // A link is recreated with other settings: the homes of devices on it are restored for frames that act.
-TEST_F(Acts, go_to_the_last_home_on_a_link_that_was_remade) {
+TEST_F(Acts, are_sent_to_the_last_home_on_a_recreated_link) {
     hear(1, old);
     hear(2, 0xDC);
     const auto homes = net->last_homes(link(2));
@@ -47,7 +47,7 @@ TEST_F(Acts, go_to_the_last_home_on_a_link_that_was_remade) {
     expect(act(0, unknown), channels({1, 2, 3}), Via::unknown);
 }
 
-TEST_F(Acts, go_to_the_only_place_with_devices) {
+TEST_F(Acts, are_sent_to_the_only_channel_with_devices) {
     hear(1, old);
     expect(act(0, unknown), channels({1, 2, 3}), Via::unknown);
     hear(1, 0x02);
@@ -56,7 +56,7 @@ TEST_F(Acts, go_to_the_only_place_with_devices) {
 }
 
 // The address may be on a link that was never heard: its port is absent, or its devices send only answers.
-TEST_F(Acts, do_not_get_to_other_devices_while_the_address_may_be_elsewhere) {
+TEST_F(Acts, are_not_sent_to_other_devices_while_the_address_may_be_elsewhere) {
     net->close(channel(2));
     net->remove_link(link(2));
     const LinkId other = net->add_link({.may_have_devices = true});
@@ -68,7 +68,7 @@ TEST_F(Acts, do_not_get_to_other_devices_while_the_address_may_be_elsewhere) {
     expect(act(0, unknown), channels({1, 2, 3}), Via::unknown);
 }
 
-TEST_F(Acts, get_to_where_hosts_are_as_well) {
+TEST_F(Acts, are_also_sent_to_channels_with_hosts) {
     hear(1, old);
     hear(2, 0xDC);
     hear(2, host);
@@ -77,7 +77,7 @@ TEST_F(Acts, get_to_where_hosts_are_as_well) {
     expect(act(0, unknown), channels({1, 2, 3}), Via::unknown);
 }
 
-TEST_F(Acts, never_get_to_the_only_place_when_that_acts_for_others) {
+TEST_F(Acts, are_not_sent_to_the_only_link_if_its_device_acts_for_other_addresses) {
     Net one{{}, {{}, {.acts_for_others = true}}};
     one.route(1, old, 0xFF);
     expect(one->route(channel(0), host, unknown, one.now, ano::Intent::acts), {}, Via::unknown);
@@ -85,7 +85,7 @@ TEST_F(Acts, never_get_to_the_only_place_when_that_acts_for_others) {
 }
 
 // It answered for an address that is not its own.
-TEST_F(Acts, never_get_to_the_only_place_once_it_is_known_to_act_for_others) {
+TEST_F(Acts, are_not_sent_to_the_only_link_once_its_device_is_known_to_act_for_other_addresses) {
     hear(1, old);
     expect(act(0, unknown), channels({1, 2, 3}), Via::unknown);
     net->note_acts_for_others(link(1));
@@ -93,7 +93,7 @@ TEST_F(Acts, never_get_to_the_only_place_once_it_is_known_to_act_for_others) {
     expect(act(0, old), channels({1}), Via::learned);
 }
 
-TEST_F(Acts, of_a_group_all_links_are_one_place) {
+TEST_F(Acts, all_links_of_a_group_count_as_one_location) {
     Net grouped{{}, {{}, {.group = 1}, {.group = 1}, {}}};
     grouped.route(1, old, 0xFF);
     grouped.now += 2s;
@@ -105,7 +105,7 @@ TEST_F(Acts, of_a_group_all_links_are_one_place) {
     expect(grouped->route(channel(0), host, unknown, grouped.now, ano::Intent::acts), channels({1, 2}), Via::unknown);
 }
 
-TEST_F(Acts, peers_of_a_link_are_several_places) {
+TEST_F(Acts, the_peers_of_a_link_count_as_several_locations) {
     Net peers{{}, {{}, {}}};
     peers->open(channel(2), link(1));
     peers.route(1, old, 0xFF);
@@ -113,7 +113,7 @@ TEST_F(Acts, peers_of_a_link_are_several_places) {
     expect(peers->route(channel(0), host, unknown, peers.now, ano::Intent::acts), {}, Via::unknown);
 }
 
-TEST_F(Acts, for_an_expired_address_go_where_it_was_heard_last) {
+TEST_F(Acts, for_an_expired_address_are_sent_where_it_was_last_seen) {
     hear(1, old);
     hear(2, 0xDC);
     hear(3, unknown);
@@ -125,7 +125,7 @@ TEST_F(Acts, for_an_expired_address_go_where_it_was_heard_last) {
     expect(act(0, unknown), channels({3}), Via::unknown);    // no device is there any more
 }
 
-TEST_F(Acts, for_an_address_whose_channel_is_closed_go_to_its_link) {
+TEST_F(Acts, for_an_address_whose_channel_is_closed_are_sent_to_its_link) {
     hear(1, old);
     hear(2, 0xDC);
     hear(3, unknown);
@@ -142,7 +142,7 @@ TEST_F(Acts, for_an_address_whose_channel_is_closed_go_to_its_link) {
     expect(act(0, unknown), {}, Via::unknown);
 }
 
-TEST_F(Acts, with_a_configured_way_for_unknown_addresses_take_it) {
+TEST_F(Acts, follow_a_configured_rule_for_unknown_addresses) {
     Net to_link{settings([](GatewaySettings& s) { s.unknown = Unknown::link; })};
     to_link->set_unknown_link(link(1));
     to_link.route(1, old, 0xFF);
@@ -155,7 +155,7 @@ TEST_F(Acts, with_a_configured_way_for_unknown_addresses_take_it) {
     expect(dropped->route(channel(0), host, old, dropped.now, ano::Intent::acts), channels({1}), Via::learned);
 }
 
-TEST_F(Acts, frames_for_unheard_hosts_do_not_get_where_only_devices_are) {
+TEST_F(Acts, frames_for_hosts_not_seen_yet_are_not_sent_to_channels_with_devices_only) {
     hear(0, 0xDC);
     hear(1, old);
     for (const std::uint8_t to : {host, ano::address::ros_bridge}) expect(net.route(0, 0xDC, to), channels({2, 3}), Via::unknown);
@@ -165,7 +165,7 @@ TEST_F(Acts, frames_for_unheard_hosts_do_not_get_where_only_devices_are) {
     expect(net.route(1, old, host), channels({0, 2, 3}), Via::unknown);
 }
 
-TEST_F(Acts, a_frame_for_a_host_that_is_down_does_not_get_where_only_devices_are) {
+TEST_F(Acts, a_frame_for_a_host_that_is_down_is_not_sent_to_channels_with_devices_only) {
     hear(0, 0xDC);
     hear(1, old);
     hear(2, host);
@@ -173,7 +173,7 @@ TEST_F(Acts, a_frame_for_a_host_that_is_down_does_not_get_where_only_devices_are
     expect(net.route(0, 0xDC, host), channels({2, 3}), Via::unknown);
 }
 
-TEST_F(Acts, a_device_that_moved_leaves_its_place_empty) {
+TEST_F(Acts, are_sent_to_the_channel_that_the_only_device_there_has_left) {
     hear(1, old);
     hear(2, 0xDC);
     net->went_down(channel(1));
@@ -182,7 +182,7 @@ TEST_F(Acts, a_device_that_moved_leaves_its_place_empty) {
     expect(act(0, unknown), channels({1}), Via::unknown);
 }
 
-TEST_F(Acts, a_device_is_alone_where_nobody_else_is) {
+TEST_F(Acts, a_device_is_alone_if_its_channel_has_no_other_device_or_host) {
     hear(1, old);
     EXPECT_TRUE(net->is_alone(old, channel(1)));
     EXPECT_FALSE(net->is_alone(old, channel(2)));
@@ -194,7 +194,7 @@ TEST_F(Acts, a_device_is_alone_where_nobody_else_is) {
 }
 
 // A host and a device with the same address: one sends to the other.
-TEST_F(Acts, a_frame_to_its_own_source_goes_to_the_other_one_that_has_the_address) {
+TEST_F(Acts, a_frame_with_equal_source_and_destination_is_sent_to_the_other_holder_of_the_address) {
     hear(1, old);
     expect(act(0, old, old), channels({1}), Via::learned);
     EXPECT_EQ(net.asked().size(), 1u) << "the host claims the address";
@@ -204,7 +204,7 @@ TEST_F(Acts, a_frame_to_its_own_source_goes_to_the_other_one_that_has_the_addres
     expect(net.route(1, old, old), channels({2, 3}), Via::unknown);
 }
 
-TEST_F(Acts, a_frame_to_its_own_source_is_for_an_unknown_device_while_only_the_host_was_heard) {
+TEST_F(Acts, a_frame_with_equal_source_and_destination_has_an_unknown_target_if_only_the_host_was_seen) {
     hear(2, 0xDC);
     hear(3, 0xDD);
     expect(act(0, old, old), channels({1}), Via::unknown);

@@ -5,7 +5,7 @@ using namespace routing;
 namespace router_changes_tests {
 namespace {
 
-TEST(Router, forgets_where_an_address_was_heard) {
+TEST(Router, forgets_where_an_address_was_seen) {
     Net net;
     EXPECT_FALSE(net->forget(0xDC)) << "it was nowhere";
     net.route(0, 0xDC, 0xFE);
@@ -19,7 +19,7 @@ TEST(Router, forgets_where_an_address_was_heard) {
     expect(net.route(2, 0xFE, 0xDC), channels({1}), Via::learned);
 }
 
-TEST(Router, what_was_heard_by_the_program_before_leads_where_it_did) {
+TEST(Router, restores_learned_routes_after_a_restart) {
     Net before, after;
     before.route(0, 0xDC, 0xFF);
     before.now += 10s;
@@ -39,14 +39,14 @@ TEST(Router, what_was_heard_by_the_program_before_leads_where_it_did) {
     EXPECT_TRUE(after.router->learned(0xDC, after.now).links.empty()) << "30 s since it was heard";
 }
 
-TEST(Router, who_was_heard_before_is_as_old_as_that) {
+TEST(Router, restores_the_age_of_a_learned_address) {
     Net net;
     net.now += 1min;
     net->restore(0xDC, channel(1), net.now - 10s);
     EXPECT_EQ(net->heard_at(0xDC, channel(1)), net.now - 10s);
 }
 
-TEST(Router, a_channel_that_is_closed_leaves_nothing_to_the_next_of_its_number) {
+TEST(Router, a_new_channel_inherits_nothing_from_a_closed_one_with_the_same_number) {
     Net net;
     net.route(1, 0xDC, 0xFE);
     net->went_down(channel(1));
@@ -60,7 +60,7 @@ TEST(Router, a_channel_that_is_closed_leaves_nothing_to_the_next_of_its_number) 
     EXPECT_FALSE(net->are_all_down(channels({1})));
 }
 
-TEST(Router, nobody_and_everybody_are_not_restored) {
+TEST(Router, does_not_restore_addresses_0x00_and_0xFF) {
     Net net;
     net.router->restore(0x00, ChannelId{0}, net.now);
     net.router->restore(0xFF, ChannelId{0}, net.now);
@@ -69,7 +69,7 @@ TEST(Router, nobody_and_everybody_are_not_restored) {
 }
 
 // The channel with the same number is closed first.
-TEST(Router, a_link_that_is_removed_leaves_nothing_to_the_next_of_its_number) {
+TEST(Router, a_new_link_inherits_nothing_from_a_removed_one_with_the_same_number) {
     Net net{{}, {{}, {.port_id = 5, .flood = false, .broadcast = false, .group = 1}, {.group = 1}, {}}};
     net->pin(40, 42, link(1));
     net->unpin(41, 41, link(1));
@@ -89,7 +89,7 @@ TEST(Router, a_link_that_is_removed_leaves_nothing_to_the_next_of_its_number) {
     expect(net.route(2, 0xDE, 0xDD), channels({1}), Via::learned);
 }
 
-TEST(Router, the_lowest_free_number_is_the_next) {
+TEST(Router, gives_a_new_link_the_lowest_free_number) {
     Net net;
     for (const unsigned n : {1u, 2u}) {
         net->close(channel(n));

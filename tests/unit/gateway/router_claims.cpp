@@ -25,7 +25,7 @@ TEST(Router, device_that_moved_is_followed_after_three_seconds_of_silence) {
     EXPECT_TRUE(net->conflicts(net.now).empty());
 }
 
-TEST(Router, a_move_to_another_link_is_told_and_its_previous_place_kept) {
+TEST(Router, reports_a_move_to_another_link_and_stores_the_previous_link) {
     Net net;
     net.route(1, 0xDC, 0xFF);
     EXPECT_FALSE(net->take_move());
@@ -70,7 +70,7 @@ TEST(Router, address_stays_with_its_holder_until_silence) {
     EXPECT_FALSE(net->claims(0xFE, channel(2)) || net->claims(0x00, channel(2)) || net->claims(0xFF, channel(2)));
 }
 
-TEST(Router, any_frame_by_the_old_way_refuses_a_claim) {
+TEST(Router, rejects_a_claim_on_any_frame_from_the_old_channel) {
     for (const bool goes_on : {true, false}) {
         Net net;
         net.route(1, 0xDC, 0xFF);
@@ -95,7 +95,7 @@ TEST(Router, any_frame_by_the_old_way_refuses_a_claim) {
     }
 }
 
-TEST(Router, one_test_of_an_address_in_ten_seconds) {
+TEST(Router, tests_an_address_at_most_once_in_ten_seconds) {
     Net net;
     net.route(1, 0xDC, 0xFF);
     net.route(1, 0xDD, 0xFF);
@@ -114,7 +114,7 @@ TEST(Router, one_test_of_an_address_in_ten_seconds) {
 }
 
 // 40 commands in 40 s; the attacker sends ten times a second, the device every 4 s and when it is asked.
-TEST(Router, device_that_speaks_now_and_then_keeps_its_address) {
+TEST(Router, a_device_that_sends_only_every_4_s_keeps_its_address) {
     Net net;
     int reached = 0, stolen = 0;
     for (int tenth = 0; tenth < 400; ++tenth, net.now += 100ms) {
@@ -132,7 +132,7 @@ TEST(Router, device_that_speaks_now_and_then_keeps_its_address) {
 }
 
 // It answers nothing and sends every 4 s, so that its silence is long enough.
-TEST(Router, who_speaks_again_at_its_first_home_is_back_at_once) {
+TEST(Router, an_address_returns_at_once_when_its_first_channel_sends_again) {
     Net net;
     int reached = 0, stolen = 0;
     for (unsigned tenth = 0; tenth < 400; ++tenth, net.now += 100ms) {
@@ -149,7 +149,7 @@ TEST(Router, who_speaks_again_at_its_first_home_is_back_at_once) {
     EXPECT_EQ(net->conflicts(net.now).at(0).links, links({1, 2, 3}));
 }
 
-TEST(Router, way_back_home_is_no_conflict) {
+TEST(Router, a_return_to_the_home_channel_is_no_conflict) {
     Net net;
     net.route(1, 0xDC, 0xFF);
     net.route(2, 0xDC, 0xFF);
@@ -164,7 +164,7 @@ TEST(Router, way_back_home_is_no_conflict) {
 }
 
 // A constant broadcast that another sender repeats is dropped by the loop guard.
-TEST(Router, what_goes_no_further_brings_it_home_as_well) {
+TEST(Router, a_frame_that_the_loop_guard_drops_also_returns_an_address_to_its_home) {
     Net net;
     net.route(1, 0xDC, 0xFF);
     EXPECT_TRUE(net->holds(0xDC, channel(1)));
@@ -197,7 +197,7 @@ TEST(Router, second_cable_takes_over_within_thirteen_seconds) {
     EXPECT_EQ(net.now - broke, 13s);
 }
 
-TEST(Router, what_has_no_wire_is_silent_at_once) {
+TEST(Router, treats_a_channel_that_is_down_or_closed_as_silent_at_once) {
     for (const bool closed : {false, true}) {
         for (const bool before : {false, true}) {
             Net net;
@@ -230,7 +230,7 @@ TEST(Router, claim_ends_with_its_channel) {
     expect(net.route(0, 0xFE, 0xDC), channels({1}), Via::learned);
 }
 
-TEST(Router, peers_of_one_link_are_different_places) {
+TEST(Router, peers_of_one_link_are_different_locations) {
     Net net;
     net->open(channel(10), link(1));
     net.route(1, 0xDC, 0xFF);
@@ -240,7 +240,7 @@ TEST(Router, peers_of_one_link_are_different_places) {
     expect(net.route(0, 0xFE, 0xDC), channels({10}), Via::learned);
 }
 
-TEST(Router, pinned_address_refuses_every_claim_and_asks_nobody) {
+TEST(Router, rejects_claims_to_a_pinned_address_without_a_test) {
     Net net;
     net->pin(30, 30, link(1));
     net.route(3, 30, 0xFF);
@@ -265,7 +265,7 @@ struct PinnedNet : Net {
     }
 };
 
-TEST(Router, pinned_address_is_at_home_behind_the_first_channel_of_its_link_that_brought_it) {
+TEST(Router, a_pinned_address_has_its_home_on_the_first_channel_of_its_link_that_received_it) {
     PinnedNet net;
     EXPECT_TRUE(net->holds(30, channel(1)) && net->holds(30, channel(10))) << "nobody was heard";
     expect(net.route(0, 0xFE, 30), channels({1, 10, 11}), Via::pinned);
@@ -281,7 +281,7 @@ TEST(Router, pinned_address_is_at_home_behind_the_first_channel_of_its_link_that
     EXPECT_TRUE(net->holds(30, channel(11)));
 }
 
-TEST(Router, pinned_address_stays_with_its_channel_while_that_speaks) {
+TEST(Router, a_pinned_address_stays_with_its_channel_while_that_sends) {
     PinnedNet net;
     net.route(10, 30, 0xFF);
     net.route(11, 30, 0xFF);
@@ -296,7 +296,7 @@ TEST(Router, pinned_address_stays_with_its_channel_while_that_speaks) {
     expect(net.route(0, 0xFE, 30), channels({10}), Via::pinned);
 }
 
-TEST(Router, pinned_address_moves_within_its_link_when_its_channel_is_silent_and_comes_back) {
+TEST(Router, a_pinned_address_moves_within_its_link_if_its_channel_is_silent_and_returns) {
     PinnedNet net;
     net.route(10, 30, 0xFF);
     net.route(11, 30, 0xFF);
@@ -314,7 +314,7 @@ TEST(Router, pinned_address_moves_within_its_link_when_its_channel_is_silent_and
 }
 
 // Otherwise claims from elsewhere would prevent the device from moving, or be accepted with its move.
-TEST(Router, claims_of_a_pinned_address_from_other_links_change_nothing_on_its_own) {
+TEST(Router, claims_from_other_links_do_not_move_a_pinned_address_within_its_link) {
     PinnedNet net;
     net.route(10, 30, 0xFF);
     for (int i = 0; i < 30; ++i) {
@@ -332,7 +332,7 @@ TEST(Router, claims_of_a_pinned_address_from_other_links_change_nothing_on_its_o
     EXPECT_TRUE(net->claims(30, channel(3)));
 }
 
-TEST(Router, address_pinned_to_two_links_is_at_home_on_each_of_them) {
+TEST(Router, an_address_pinned_to_two_links_has_a_home_channel_on_each) {
     PinnedNet net;
     net->pin(30, 30, link(2));
     net->open(channel(12), link(2));
@@ -349,7 +349,7 @@ TEST(Router, address_pinned_to_two_links_is_at_home_on_each_of_them) {
     expect(net.route(0, 0xFE, 30), channels({11, 12}), Via::pinned);
 }
 
-TEST(Router, a_test_that_is_under_way_ends_when_the_address_is_pinned) {
+TEST(Router, a_running_claim_test_ends_when_the_address_is_pinned) {
     Net net;
     net.route(1, 30, 0xFF);
     net.route(3, 30, 0xFF);

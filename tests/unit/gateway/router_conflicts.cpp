@@ -5,7 +5,7 @@ using namespace routing;
 namespace router_conflicts_tests {
 namespace {
 
-TEST(Router, source_on_two_links_is_a_conflict_while_both_speak) {
+TEST(Router, a_source_on_two_links_is_a_conflict_while_both_send) {
     Net net;
     Conflict conflict;
     const auto both = [&](unsigned a, unsigned b) {
@@ -48,7 +48,7 @@ TEST(Router, conflict_lasts_as_long_as_the_claims) {
     }
 }
 
-TEST(Router, every_new_conflict_is_told) {
+TEST(Router, reports_every_new_conflict) {
     Net net;
     for (const std::uint8_t source : std::initializer_list<std::uint8_t>{0xDE, 0xDD, 0x20})
         for (const unsigned from : {1u, 2u, 1u}) net.route(from, source, 0xFF);
@@ -58,7 +58,7 @@ TEST(Router, every_new_conflict_is_told) {
     EXPECT_EQ(told, (std::vector<int>{0x20, 0xDD, 0xDE}));
 }
 
-TEST(Router, of_two_new_conflicts_the_second_is_told_too) {
+TEST(Router, also_reports_the_second_of_two_new_conflicts) {
     Net net;
     net->note_conflict(0xDC, links({0, 1}), std::nullopt, net.now);
     net->note_conflict(0xDD, links({0, 1}), std::nullopt, net.now);
@@ -70,7 +70,7 @@ TEST(Router, of_two_new_conflicts_the_second_is_told_too) {
     EXPECT_FALSE(net.route(2, 0x10, 0xFF).new_conflict);
 }
 
-TEST(Router, forgets_the_conflict_about_an_address_as_well) {
+TEST(Router, also_forgets_the_conflict_of_a_forgotten_address) {
     Net net;
     net->note_conflict(0xDC, links({0, 1}), std::nullopt, net.now);
     net->note_conflict(0xDD, links({0, 1}), std::nullopt, net.now);

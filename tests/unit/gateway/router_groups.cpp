@@ -10,7 +10,7 @@ struct GroupedRouter : testing::Test {
     Net net{{}, {{}, {.group = 1}, {.group = 1}, {}}};
 };
 
-TEST_F(GroupedRouter, frames_leave_by_the_member_heard_most_recently) {
+TEST_F(GroupedRouter, sends_by_the_member_that_received_most_recently) {
     net.route(1, 0xDC, 0xFE);
     net.now += 10ms;
     net.route(2, 0xDD, 0xFE);
@@ -25,7 +25,7 @@ TEST_F(GroupedRouter, frames_leave_by_the_member_heard_most_recently) {
     expect(net.route(0, 0xFE, 40), channels({1}), Via::pinned);
 }
 
-TEST_F(GroupedRouter, frames_never_go_back_where_they_came_from) {
+TEST_F(GroupedRouter, never_sends_frames_back_by_the_group_of_their_source_except_to_other_peers) {
     net.route(1, 0xDC, 0xFE);
     net.route(2, 0xDD, 0xFE);
     expect(net.route(1, 0xDC, 0xFF), channels({0, 3}), Via::broadcast);
@@ -34,7 +34,7 @@ TEST_F(GroupedRouter, frames_never_go_back_where_they_came_from) {
     expect(net.route(1, 0xDC, 0xFF), channels({0, 3, 10}), Via::broadcast);    // but to another peer of the link
 }
 
-TEST_F(GroupedRouter, all_members_get_it_until_one_is_heard) {
+TEST_F(GroupedRouter, sends_to_all_members_until_one_has_received_a_frame) {
     expect(net.route(0, 0xFE, 0xFF), channels({1, 2, 3}), Via::broadcast);
     net.route(2, 0xDC, 0xFE);
     expect(net.route(0, 0xFE, 0xFF), channels({2, 3}), Via::broadcast);
@@ -43,7 +43,7 @@ TEST_F(GroupedRouter, all_members_get_it_until_one_is_heard) {
     expect(net.route(0, 0xFE, 0xDC), channels({1, 2}), Via::learned);
 }
 
-TEST_F(GroupedRouter, a_member_that_is_down_is_passed_over) {
+TEST_F(GroupedRouter, skips_a_member_that_is_down) {
     net.route(2, 0xDC, 0xFE);
     net->went_down(channel(2));
     expect(net.route(0, 0xFE, 0xDC), channels({1}), Via::learned);
@@ -56,7 +56,7 @@ TEST_F(GroupedRouter, a_member_that_is_down_is_passed_over) {
     expect(net.route(0, 0xFE, 0xDC), channels({1, 2}), Via::learned);
 }
 
-TEST_F(GroupedRouter, a_member_without_a_channel_is_not_missed) {
+TEST_F(GroupedRouter, a_member_without_a_channel_is_not_reported_as_missing_while_another_has_one) {
     net->close(channel(1));
     net->pin(40, 40, link(1));
     net.route(2, 0xDC, 0xFE);
@@ -77,13 +77,13 @@ TEST_F(GroupedRouter, one_source_on_two_members_is_no_conflict) {
     EXPECT_TRUE(net->conflicts(net.now)[0].links.contains(link(3)));
 }
 
-TEST(Router, a_port_id_of_a_group_is_that_port) {
+TEST(Router, a_frame_for_the_port_id_of_a_group_member_is_sent_to_that_port) {
     Net net{{}, {{}, {.port_id = 5, .group = 1}, {.port_id = 6, .group = 1}}};
     net.route(2, 0xDC, 0xFE);
     expect(net.route(0, 0xFE, 5), channels({1}), Via::port);
 }
 
-TEST(Router, members_that_take_no_broadcast_get_none) {
+TEST(Router, broadcasts_are_not_sent_to_group_members_without_the_broadcast_setting) {
     Net net{{}, {{}, {.broadcast = false, .group = 1}, {.group = 1}}};
     net.route(1, 0xDC, 0xFE);
     expect(net.route(0, 0xFE, 0xFF), channels({2}), Via::broadcast);

@@ -35,7 +35,7 @@ struct TwoLinks {
     }
 };
 
-TEST(SameDevice, says_the_same_by_both) {
+TEST(SameDevice, is_recognized_when_both_links_receive_equal_frames) {
     for (const auto later : {0ms, 1ms, 10ms, 19ms, 100ms}) {
         TwoLinks links;
         if (later < 20ms) {
@@ -52,7 +52,7 @@ TEST(SameDevice, says_the_same_by_both) {
     }
 }
 
-TEST(SameDevice, is_known_by_one_frame) {
+TEST(SameDevice, is_recognized_by_one_equal_frame_on_both_links) {
     TwoLinks links;
     EXPECT_EQ(links.device.heard(source, a, 1, links.now), std::nullopt);
     EXPECT_EQ(links.device.heard(source, a, 1, links.now), std::nullopt) << "said twice by one link";
@@ -63,7 +63,7 @@ TEST(SameDevice, is_known_by_one_frame) {
     EXPECT_EQ(links.device.heard(source, b, 1, links.now + SameDevice::window), std::nullopt) << "too late";
 }
 
-TEST(SameDevice, two_devices_differ) {
+TEST(SameDevice, reports_two_devices_as_different) {
     TwoLinks links;
     links.run(1500ms, 20ms, 7ms, false);
     EXPECT_FALSE(links.device.differ(source)) << "too early to tell";
@@ -74,20 +74,20 @@ TEST(SameDevice, two_devices_differ) {
     EXPECT_FALSE(links.device.differ(source)) << "one was taken away, and the other got a second cable";
 }
 
-TEST(SameDevice, sensors_at_rest_tell_nothing_but_once) {
+TEST(SameDevice, constant_samples_count_only_in_the_first_window) {
     TwoLinks links;
     links.run(30s, 20ms, 7ms, true, true);
     EXPECT_LE(links.met, 25) << "the frames of the first window";
     EXPECT_FALSE(links.device.differ(source));
 }
 
-TEST(SameDevice, one_link_alone_is_no_other_device) {
+TEST(SameDevice, finds_no_second_device_on_one_link_alone) {
     TwoLinks links;
     for (std::uint64_t n = 0; n < 10000; ++n, links.now += 10ms) links.device.heard(source, a, n, links.now);
     EXPECT_FALSE(links.device.differ(source));
 }
 
-TEST(SameDevice, a_link_that_is_removed_is_not_compared_with) {
+TEST(SameDevice, does_not_compare_with_a_removed_link) {
     TwoLinks links;
     links.run(3s, 20ms, 7ms, false);
     EXPECT_TRUE(links.device.differ(source));

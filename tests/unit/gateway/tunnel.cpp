@@ -83,7 +83,7 @@ In in(Tunnel& tunnel, const Bytes& tunnel_frame, const char* sender) {
     return result;
 }
 
-TEST(unwrap, takes_0xB1_apart) {
+TEST(unwrap, splits_0xB1_into_header_and_inner_frames) {
     const Bytes whole = b1("192.168.0.20", 6670, euler, radio, "1.2.3.4");
     const auto content = anogate::unwrap(view(whole), {});
     ASSERT_TRUE(content);
@@ -99,7 +99,7 @@ TEST(unwrap, completes_0xB2_with_the_network) {
     EXPECT_EQ(bytes_of(content->inner), euler);
 }
 
-TEST(unwrap, refuses_data_shorter_than_its_head_at_every_length) {
+TEST(unwrap, rejects_DATA_of_any_length_shorter_than_its_header) {
     for (std::size_t n = 0; n <= 10; ++n) {
         const Bytes long_form = frame(fc, radio, 0xB1, Bytes(n, 1)), short_form = frame(fc, radio, 0xB2, Bytes(n, 1));
         EXPECT_EQ(anogate::unwrap(view(long_form), {}).has_value(), n >= 10) << n;
@@ -108,7 +108,7 @@ TEST(unwrap, refuses_data_shorter_than_its_head_at_every_length) {
     EXPECT_FALSE(anogate::unwrap(view(frame(fc, radio, 0xB0, Bytes(20, 1))), {}));
 }
 
-TEST(InnerFrames, ends_at_the_first_byte_that_begins_no_whole_good_frame) {
+TEST(InnerFrames, ends_at_the_first_byte_that_starts_no_valid_frame) {
     const Bytes cut{command.begin(), command.end() - 1};
     for (const auto& [inner, whole, good] : {std::tuple{euler, 1, true},
                                              {euler + command, 2, true},
@@ -133,7 +133,7 @@ TEST(InnerFrames, does_not_look_inside_a_damaged_tunnel_frame) {
     EXPECT_FALSE(frames.good());
 }
 
-TEST(Tunnel, takes_tunnel_frames_to_the_gateway_to_its_address_and_to_everybody) {
+TEST(Tunnel, accepts_tunnel_frames_to_the_gateway_to_the_tunnel_address_and_to_broadcast) {
     Site site;
     const Tunnel tunnel = site.tunnel();
     for (const std::uint8_t id : {std::uint8_t{0xB1}, std::uint8_t{0xB2}}) {
@@ -152,7 +152,7 @@ TEST(Tunnel, takes_tunnel_frames_to_the_gateway_to_its_address_and_to_everybody)
     EXPECT_FALSE(site.tunnel().takes(view(frame(fc, radio, 0xB1))));
 }
 
-TEST(Tunnel, the_frames_inside_leave_as_one_datagram) {
+TEST(Tunnel, sends_the_inner_frames_as_one_datagram) {
     Site site;
     Tunnel tunnel = site.tunnel();
     const auto datagram = tunnel.out(view(b1("192.168.0.20", 6670, euler + command)), all);
@@ -162,7 +162,7 @@ TEST(Tunnel, the_frames_inside_leave_as_one_datagram) {
     EXPECT_EQ(refused(tunnel.counters()), 0u);
 }
 
-TEST(Tunnel, the_short_form_stays_in_our_own_network) {
+TEST(Tunnel, sends_the_short_form_only_to_the_network_of_the_gateway) {
     Site site;
     Tunnel tunnel = site.tunnel();
     const auto datagram = tunnel.out(view(b2(20, 6670, euler)), all);
@@ -182,7 +182,7 @@ TEST(Tunnel, the_short_form_stays_in_our_own_network) {
     EXPECT_EQ(tunnel.counters().tunnel_no_way, 1u);
 }
 
-TEST(Tunnel, port_0_is_the_tunnels_port) {
+TEST(Tunnel, uses_the_tunnel_port_for_port_0) {
     Site site;
     Tunnel tunnel = site.tunnel();
     EXPECT_EQ(tunnel.out(view(b1("192.168.0.20", 0, euler)), all)->to.port, port);
@@ -191,7 +191,7 @@ TEST(Tunnel, port_0_is_the_tunnels_port) {
     EXPECT_EQ(tunnel.out(view(b1("192.168.0.20", 0, euler)), all)->to.port, 40000);
 }
 
-TEST(Tunnel, delivering_the_tunnel_fills_in_our_ip_and_both_checks) {
+TEST(Tunnel, inserts_the_ip_of_the_gateway_and_both_checksums_when_it_delivers_tunnel_frames) {
     Site site;
     site.settings.deliver = anogate::Deliver::tunnel;
     Tunnel tunnel = site.tunnel();
@@ -209,7 +209,7 @@ TEST(Tunnel, delivering_the_tunnel_fills_in_our_ip_and_both_checks) {
     EXPECT_EQ(tunnel.counters().tunnel_no_way, 1u);
 }
 
-TEST(Tunnel, what_is_no_whole_good_frame_is_counted_and_not_sent) {
+TEST(Tunnel, counts_and_drops_inner_bytes_that_are_no_valid_frame) {
     Site site;
     for (const auto deliver : {anogate::Deliver::frames, anogate::Deliver::tunnel}) {
         site.settings.deliver = deliver;
@@ -228,7 +228,7 @@ TEST(Tunnel, what_is_no_whole_good_frame_is_counted_and_not_sent) {
     }
 }
 
-TEST(Tunnel, a_frame_that_may_not_pass_does_not_pass_wrapped) {
+TEST(Tunnel, applies_the_filter_to_the_inner_frames) {
     Site site;
     const Tunnel::Passes no_commands = [](ano::FrameView f) { return f.id() != 0xC0; };
     Tunnel tunnel = site.tunnel();
@@ -241,7 +241,7 @@ TEST(Tunnel, a_frame_that_may_not_pass_does_not_pass_wrapped) {
               b1("192.168.0.20", 1, euler, radio, "192.168.0.5"));
 }
 
-TEST(Tunnel, a_device_reaches_only_those_who_are_allowed) {
+TEST(Tunnel, sends_frames_of_a_device_to_allowed_addresses_only) {
     Site site;
     Tunnel tunnel = site.tunnel();
     std::uint64_t n = 0;
@@ -258,7 +258,7 @@ TEST(Tunnel, a_device_reaches_only_those_who_are_allowed) {
     EXPECT_EQ(refused(tunnel.counters()), n + 3);
 }
 
-TEST(Tunnel, a_device_never_reaches_the_gateways_own_ports) {
+TEST(Tunnel, never_sends_frames_of_a_device_to_ports_of_the_gateway) {
     Site site;
     site.settings.allow = {*Network::parse("127.0.0.0/8"), *Network::parse("192.168.0.5"), *Network::parse("192.168.0.0/24")};
     Tunnel tunnel = site.tunnel();
@@ -271,7 +271,7 @@ TEST(Tunnel, a_device_never_reaches_the_gateways_own_ports) {
     EXPECT_TRUE(tunnel.out(view(b1("192.168.0.20", port, euler)), all)) << "another's port of that number";
 }
 
-TEST(Tunnel, more_than_a_datagram_holds_is_refused) {
+TEST(Tunnel, rejects_frames_that_do_not_fit_into_a_datagram) {
     Site site;
     Tunnel tunnel = site.tunnel();
     const auto filled = [](std::size_t size) { return frame(fc, host, 0xF1, Bytes(size - ano::overhead)); };
@@ -285,7 +285,7 @@ TEST(Tunnel, more_than_a_datagram_holds_is_refused) {
     EXPECT_EQ(tunnel.counters().tunnel_too_big + whole.counters().tunnel_too_big, 3u);
 }
 
-TEST(Tunnel, a_tunnel_frame_to_us_is_opened_once) {
+TEST(Tunnel, unwraps_a_tunnel_frame_to_the_gateway_one_level_deep) {
     Site site;
     Tunnel tunnel = site.tunnel();
     const Bytes nested = b1("192.168.0.5", 0, command);
@@ -296,7 +296,7 @@ TEST(Tunnel, a_tunnel_frame_to_us_is_opened_once) {
     EXPECT_EQ(refused(tunnel.counters()), 0u);
 }
 
-TEST(Tunnel, a_tunnel_frame_for_another_is_not_relayed) {
+TEST(Tunnel, does_not_relay_a_tunnel_frame_for_another_address) {
     Site site;
     Tunnel tunnel = site.tunnel();
     std::uint64_t n = 0;
@@ -313,7 +313,7 @@ TEST(Tunnel, a_tunnel_frame_for_another_is_not_relayed) {
     EXPECT_FALSE(in(behind_nat, b1("192.168.0.5", 0, euler), "192.168.0.20").taken);
 }
 
-TEST(Tunnel, the_short_form_from_outside_means_the_network_of_its_sender) {
+TEST(Tunnel, completes_a_received_short_form_with_the_network_of_its_sender) {
     Site site;
     Tunnel tunnel = site.tunnel();
     EXPECT_TRUE(in(tunnel, b2(5, 0, euler), "192.168.0.20").taken);
@@ -322,7 +322,7 @@ TEST(Tunnel, the_short_form_from_outside_means_the_network_of_its_sender) {
     EXPECT_EQ(tunnel.counters().tunnel_other_ip, 2u);
 }
 
-TEST(Tunnel, bad_bytes_from_outside_are_counted_too) {
+TEST(Tunnel, counts_invalid_bytes_of_received_tunnel_frames_too) {
     Site site;
     Tunnel tunnel = site.tunnel();
     const In got = in(tunnel, b1("192.168.0.5", 0, euler + Bytes{1, 2, 3}), "192.168.0.20");
@@ -334,7 +334,7 @@ TEST(Tunnel, bad_bytes_from_outside_are_counted_too) {
     EXPECT_EQ(tunnel.counters().unwrapped, 1u);
 }
 
-TEST(Tunnel, only_those_who_are_allowed_come_in) {
+TEST(Tunnel, accepts_datagrams_from_allowed_senders_only) {
     Site site;
     Tunnel tunnel = site.tunnel();
     EXPECT_TRUE(tunnel.admits({ip("192.168.0.20"), 5000}));
@@ -389,14 +389,14 @@ TEST_F(Wrapping, the_frames_of_a_datagram_are_wrapped_together) {
     EXPECT_EQ(site.asked, sender.address);
 }
 
-TEST_F(Wrapping, the_short_form_names_last_bytes) {
+TEST_F(Wrapping, stores_the_last_bytes_of_the_addresses_in_the_short_form) {
     rule("192.168.0.0/24").id = 0xB2;
     Tunnel tunnel = site.tunnel();
     wrap(tunnel, {euler});
     EXPECT_EQ(sent, (std::vector<Bytes>{frame(radio, fc, 0xB2, Bytes{20, 5, 0x0E, 0x1A} + euler)}));
 }
 
-TEST_F(Wrapping, the_short_form_cannot_name_a_sender_in_another_network) {
+TEST_F(Wrapping, rejects_a_sender_in_another_network_for_the_short_form) {
     rule("0.0.0.0/0").id = 0xB2;
     Tunnel tunnel = site.tunnel();
     EXPECT_FALSE(tunnel.begin_wrap(0, 4096, {ip("192.168.1.20"), 1}));
@@ -406,7 +406,7 @@ TEST_F(Wrapping, the_short_form_cannot_name_a_sender_in_another_network) {
     EXPECT_EQ(tunnel.counters().tunnel_no_way, 1u);
 }
 
-TEST_F(Wrapping, what_cannot_be_wrapped_is_counted_once_a_datagram_and_the_next_may_be) {
+TEST_F(Wrapping, counts_a_datagram_that_cannot_be_wrapped_once_and_wraps_the_next) {
     rule("0.0.0.0/0");
     Tunnel tunnel = site.tunnel();
     const auto none = [](ano::FrameView) { FAIL(); };
@@ -427,7 +427,7 @@ TEST_F(Wrapping, what_cannot_be_wrapped_is_counted_once_a_datagram_and_the_next_
     EXPECT_EQ(tunnel.counters().tunnel_no_way, 1u);
 }
 
-TEST_F(Wrapping, is_split_between_frames_and_never_inside_one) {
+TEST_F(Wrapping, splits_between_frames_and_never_inside_one) {
     rule("192.168.0.0/24");
     Tunnel tunnel = site.tunnel();
     const Bytes head = head_b1("192.168.0.20", "192.168.0.5", 6670);
@@ -440,7 +440,7 @@ TEST_F(Wrapping, is_split_between_frames_and_never_inside_one) {
                                         frame(radio, fc, 0xB1, head + euler)}));
 }
 
-TEST_F(Wrapping, a_frame_that_does_not_fit_alone_is_refused_and_those_around_it_go) {
+TEST_F(Wrapping, drops_a_frame_that_is_too_big_and_sends_the_frames_around_it) {
     rule("192.168.0.0/24");
     Tunnel tunnel = site.tunnel();
     wrap(tunnel, {command, frame(host, fc, 0xF1, Bytes(200)), command}, 100);
@@ -453,7 +453,7 @@ TEST_F(Wrapping, a_frame_that_does_not_fit_alone_is_refused_and_those_around_it_
     EXPECT_EQ(tunnel.counters().tunnel_too_big, 5u);
 }
 
-TEST_F(Wrapping, nothing_to_wrap_makes_no_frame) {
+TEST_F(Wrapping, sends_nothing_for_an_empty_datagram) {
     rule("192.168.0.0/24");
     Tunnel tunnel = site.tunnel();
     wrap(tunnel, {});
@@ -461,7 +461,7 @@ TEST_F(Wrapping, nothing_to_wrap_makes_no_frame) {
     EXPECT_EQ(tunnel.counters().wrapped, 0u);
 }
 
-TEST_F(Wrapping, and_all_else_allocates_nothing) {
+TEST_F(Wrapping, and_unwrapping_allocate_no_memory) {
     rule("192.168.0.0/24");
     site.settings.deliver = anogate::Deliver::tunnel;
     Tunnel tunnel = site.tunnel();

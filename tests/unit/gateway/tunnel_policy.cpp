@@ -19,7 +19,7 @@ anogate::TunnelPolicy policy(std::initializer_list<const char*> allow = {}) {
     return policy;
 }
 
-TEST(TunnelPolicy, a_name_allows_its_addresses_and_none_that_others_must_not_choose) {
+TEST(TunnelPolicy, a_host_name_allows_only_those_of_its_addresses_that_are_ordinary_hosts) {
     anogate::TunnelSettings settings;
     settings.allow_hosts = {"ground.local"};
     anogate::TunnelPolicy policy{settings};
@@ -32,7 +32,7 @@ TEST(TunnelPolicy, a_name_allows_its_addresses_and_none_that_others_must_not_cho
         EXPECT_FALSE(policy.allows(ip(other))) << other;
 }
 
-TEST(TunnelPolicy, hosts_on_our_networks_are_allowed_when_nothing_is_listed) {
+TEST(TunnelPolicy, hosts_on_local_networks_are_allowed_when_nothing_is_listed) {
     EXPECT_TRUE(policy().allows(ip("192.168.0.1")));
     EXPECT_TRUE(policy().allows(ip("192.168.0.254")));
     EXPECT_TRUE(policy().allows(ip("10.1.200.7")));
@@ -41,7 +41,7 @@ TEST(TunnelPolicy, hosts_on_our_networks_are_allowed_when_nothing_is_listed) {
     EXPECT_FALSE(policy().allows(ip("10.2.0.1")));
 }
 
-TEST(TunnelPolicy, what_is_listed_takes_the_place_of_our_networks) {
+TEST(TunnelPolicy, listed_networks_replace_the_local_networks) {
     EXPECT_TRUE(policy({"172.16.0.0/12"}).allows(ip("172.20.1.1")));
     EXPECT_FALSE(policy({"172.16.0.0/12"}).allows(ip("192.168.0.1")));
     EXPECT_TRUE(policy({"8.8.8.8"}).allows(ip("8.8.8.8")));
@@ -54,11 +54,11 @@ const char* const not_ordinary[] = {"127.0.0.1",     "127.255.0.1", "224.0.0.1",
                                     "0.1.2.3",       "192.168.0.5", "10.1.2.3",     "10.9.0.1",        "240.0.0.1",
                                     "::1",           "fe80::6",     "ff02::1",      "2001:db8::1"};
 
-TEST(TunnelPolicy, no_ordinary_host_is_refused) {
+TEST(TunnelPolicy, addresses_that_are_no_ordinary_host_are_rejected) {
     for (const char* address : not_ordinary) EXPECT_FALSE(policy().allows(ip(address))) << address;
 }
 
-TEST(TunnelPolicy, a_wide_network_lists_ordinary_hosts_only) {
+TEST(TunnelPolicy, a_wide_network_allows_ordinary_hosts_only) {
     for (const char* address : not_ordinary)
         EXPECT_FALSE(policy({"0.0.0.0/0", "128.0.0.0/1", "::/0"}).allows(ip(address))) << address;
     EXPECT_TRUE(policy({"0.0.0.0/0"}).allows(ip("8.8.8.8")));
@@ -69,7 +69,7 @@ TEST(TunnelPolicy, a_wide_network_lists_ordinary_hosts_only) {
     EXPECT_FALSE(policy({"224.0.0.0/3"}).allows(ip("224.0.0.1")));
 }
 
-TEST(TunnelPolicy, what_is_listed_as_what_it_is_is_allowed) {
+TEST(TunnelPolicy, special_addresses_are_allowed_when_they_are_listed_explicitly) {
     EXPECT_TRUE(policy({"127.0.0.0/8"}).allows(ip("127.0.0.1")));
     EXPECT_TRUE(policy({"127.0.0.1"}).allows(ip("127.0.0.1")));
     EXPECT_FALSE(policy({"127.0.0.1"}).allows(ip("127.0.0.2")));
@@ -81,7 +81,7 @@ TEST(TunnelPolicy, what_is_listed_as_what_it_is_is_allowed) {
     EXPECT_FALSE(policy({"240.0.0.1"}).allows(ip("240.0.0.1")));
 }
 
-TEST(TunnelPolicy, what_is_said_to_list_this_computer_does) {
+TEST(TunnelPolicy, reports_that_this_computer_is_listed_exactly_if_it_is_allowed) {
     const std::vector<Network> own{*Network::parse("192.168.0.5/24"), *Network::parse("127.0.0.1/8")};
     for (const char* network : {"0.0.0.0/0", "127.0.0.1/7", "127.0.0.0/8", "127.0.0.1", "127.0.0.1/31", "192.168.0.5",
                                 "192.168.0.5/31", "192.168.0.0/24", "192.168.0.6", "10.0.0.0/8"}) {

@@ -12,7 +12,7 @@ using namespace std::chrono_literals;
 
 constexpr ChannelId a{0}, b{1}, c{2};
 
-TEST(TurnShares, each_has_the_same_time_however_long_its_turns_are) {
+TEST(TurnShares, give_each_channel_the_same_time_however_long_its_turns_are) {
     TurnShares shares;
     std::array<ano::Duration, 2> used{};
     const ChannelSet both = ChannelSet{a} | b;
@@ -27,7 +27,7 @@ TEST(TurnShares, each_has_the_same_time_however_long_its_turns_are) {
     EXPECT_LE(used[1] - used[0], 310us);
 }
 
-TEST(TurnShares, who_has_little_goes_before_those_that_always_have_something) {
+TEST(TurnShares, serve_a_channel_with_little_data_before_channels_that_always_have_data) {
     TurnShares shares;
     ChannelSet waiting = ChannelSet{b} | c;
     for (const ChannelId id : waiting) shares.begins(id);

@@ -7,7 +7,7 @@ namespace untaken_tests {
 using namespace anogate;
 using namespace std::chrono_literals;
 
-TEST(Untaken, lasts_as_long_as_it_flows) {
+TEST(Untaken, lasts_as_long_as_frames_arrive) {
     Untaken untaken;
     ano::TimePoint now{1h};
     EXPECT_EQ(untaken.duration(now), std::nullopt);
@@ -21,7 +21,7 @@ TEST(Untaken, lasts_as_long_as_it_flows) {
     EXPECT_EQ(untaken.duration(now + 1s), 1s) << "it began again";
 }
 
-TEST(Untaken, is_no_longer_than_the_flow_was) {
+TEST(Untaken, lasts_only_from_the_first_to_the_last_frame) {
     Untaken untaken;
     const ano::TimePoint now{1h};
     untaken.note(now);
@@ -29,7 +29,7 @@ TEST(Untaken, is_no_longer_than_the_flow_was) {
     EXPECT_EQ(untaken.duration(now + 3s), 400ms);
 }
 
-TEST(Untaken, ends_when_somebody_takes) {
+TEST(Untaken, ends_when_a_frame_has_a_receiver) {
     Untaken untaken;
     ano::TimePoint now{1h};
     for (int n = 0; n < 5; ++n) untaken.note(now += 1s);

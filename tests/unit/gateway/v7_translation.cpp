@@ -281,7 +281,7 @@ TEST(V7Translation, distances_down_have_the_direction_of_their_type) {
     EXPECT_EQ(link.counted().down_unrepresentable, 4u) << "at 270° an LX MCU has its distance to the ground";
 }
 
-TEST(V7Translation, what_v8_cannot_say_is_dropped_and_counted) {
+TEST(V7Translation, drops_and_counts_messages_without_a_counterpart_in_v8) {
     V7Link link{imu};
     for (const std::uint8_t id : Bytes{0x31, 0x35, 0xB0, 0xB1, 0xB2, 0xC0, 0xC1, 0xC2, 0xE3, 0xF0, 0xFB})
         EXPECT_TRUE(link.up(id, {1, 2, 3}).empty()) << int{id};
@@ -463,7 +463,7 @@ TEST(V7Translation, a_write_is_sent_once_and_acknowledged_by_the_device) {
     EXPECT_EQ(silent.up(0x00, check_of(sent)).size(), 1u) << "late, but within a second";
 }
 
-TEST(V7Translation, values_that_nobody_asked_for_go_to_the_host) {
+TEST(V7Translation, values_that_were_not_requested_are_sent_to_the_host) {
     V7Link link{fc};
     EXPECT_EQ(link.up(v7_frame(0xFF, 0xE2, {11, 0, 1, 0, 0, 0})), Frames{frame(fc, host, 0xE1, {11, 0, 1, 0, 0, 0})});
     EXPECT_EQ(link.up(v7_frame(0x60, 0xE1, {11, 0})), Frames{frame(fc, imu, 0xE0, {2, 11, 0})});
@@ -596,7 +596,7 @@ TEST(V7Translation, actions_on_all_parameters_become_commands) {
 
 // --- Laws
 
-TEST(V7Translation, what_v7_cannot_say_is_dropped_and_counted) {
+TEST(V7Translation, drops_and_counts_messages_without_a_counterpart_in_v7) {
     V7Settings settings{.address = imu};
     settings.down.set();
     V7Link link{settings};

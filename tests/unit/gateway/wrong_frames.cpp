@@ -73,7 +73,7 @@ LinkFigures after(const Bytes& bytes) {
     return figures;
 }
 
-TEST(WrongFrames, of_a_device_with_one_mistake_are_named_by_it) {
+TEST(WrongFrames, of_a_device_with_one_error_are_identified_by_that_error) {
     const auto hint_of = [](Bytes (*frame)(std::uint8_t, const Bytes&)) { return find_hint(after(stream_of(frame))); };
     EXPECT_EQ(hint_of(swapped).id, "checks_swapped");
     EXPECT_EQ(hint_of(one_byte).id, "length_of_one_byte");
@@ -82,7 +82,7 @@ TEST(WrongFrames, of_a_device_with_one_mistake_are_named_by_it) {
     EXPECT_NE(hint_of(swapped).text.find("SC first, then AC"), std::string::npos);
 }
 
-TEST(WrongFrames, are_named_as_well_where_another_device_sends_good_ones) {
+TEST(WrongFrames, are_also_identified_where_another_device_sends_valid_frames) {
     const auto good = [](std::uint8_t id, const Bytes& data) { return support::frame(0xDF, 0xFE, id, data); };
     EXPECT_EQ(find_hint(after(stream_of(good) + stream_of(swapped))).id, "checks_swapped");
     EXPECT_NE(find_hint(after(stream_of(good) +
@@ -91,7 +91,7 @@ TEST(WrongFrames, are_named_as_well_where_another_device_sends_good_ones) {
               "text");
 }
 
-TEST(WrongFrames, text_is_shown_by_its_first_characters_harmless) {
+TEST(WrongFrames, show_the_first_characters_of_received_text_with_control_characters_escaped) {
     const Hint english = find_hint(
         after(bytes_of("ts boot\r\n+READY \x1b[31m'AT'\r\nESP-ROM:esp32c3-api1-20210207\r\nBuild:Feb  7 2021\r\nrst:0x1\r\n")));
     EXPECT_EQ(english.id, "text");
@@ -103,7 +103,7 @@ TEST(WrongFrames, text_is_shown_by_its_first_characters_harmless) {
     EXPECT_EQ(gbk.id, "text");
 }
 
-TEST(WrongFrames, mainly_chinese_text_is_text_and_shown_as_it_is_read) {
+TEST(WrongFrames, mainly_chinese_text_is_recognized_as_text_and_shown_in_readable_form) {
     const std::string_view utf8 = "姿态 横滚=7\r\n错误：传感器没有回答，第8次\r\n";
     const std::string_view gbk =
         "\xD7\xCB\xCC\xAC \xBA\xE1\xB9\xF6=7\r\n\xB4\xED\xCE\xF3\xA3\xBA\xB4\xAB\xB8\xD0\xC6\xF7\xC3\xBB"
@@ -123,7 +123,7 @@ TEST(WrongFrames, mainly_chinese_text_is_text_and_shown_as_it_is_read) {
     }
 }
 
-TEST(WrongFrames, noise_and_a_wrong_baud_rate_are_neither) {
+TEST(WrongFrames, noise_and_a_wrong_baud_rate_are_reported_as_neither_wrong_frames_nor_text) {
     support::Random random{1};
     for (int i = 0; i < 300; ++i) {
         Bytes noise(1024);
@@ -137,7 +137,7 @@ TEST(WrongFrames, noise_and_a_wrong_baud_rate_are_neither) {
 }
 
 // Only the newest bytes are kept, whatever the sizes of the pieces.
-TEST(WrongFrames, kept_bytes_are_the_newest_in_their_order) {
+TEST(WrongFrames, stored_bytes_are_the_newest_in_order_of_arrival) {
     ano::FrameParser parser{{}};
     Bytes all;
     support::Random random{2};

@@ -22,7 +22,7 @@ struct Guard : AirGuard {
     void mode(std::uint8_t sflag) { hear(0xDC, 0xFF, 0x06, {1, sflag, 0, 0, 0}); }
 };
 
-TEST(AirGuard, nothing_that_needs_the_ground_is_done_in_the_air_unless_forced) {
+TEST(AirGuard, rejects_ground_only_operations_in_flight_unless_forced) {
     Guard guard;
     EXPECT_FALSE(guard.refusal(Deed::ground, 0xDC, known));
     for (const std::uint8_t sflag : std::initializer_list<std::uint8_t>{1, 2, 7}) {
@@ -36,7 +36,7 @@ TEST(AirGuard, nothing_that_needs_the_ground_is_done_in_the_air_unless_forced) {
     EXPECT_FALSE(guard.refusal(Deed::ground, 0xDC, known));
 }
 
-TEST(AirGuard, force_does_not_help_where_it_is_not_clear_who_is_meant) {
+TEST(AirGuard, rejects_forced_operations_if_the_target_device_is_unknown_or_ambiguous) {
     Guard guard;
     EXPECT_EQ(guard.refusal(Deed::ground, 0xDC, {}, true), Refusal::not_known);
     EXPECT_EQ(guard.refusal(Deed::ground, 0xDC, {.is_known = true, .in_conflict = true}, true), Refusal::in_conflict);
@@ -48,7 +48,7 @@ TEST(AirGuard, force_does_not_help_where_it_is_not_clear_who_is_meant) {
 }
 
 // Any program on a link can send such frames, with any source address.
-TEST(AirGuard, other_hosts_that_write_refuse_nothing_and_are_named_for_two_seconds) {
+TEST(AirGuard, reports_another_host_that_writes_for_two_seconds_and_rejects_nothing) {
     for (const std::uint8_t id : std::initializer_list<std::uint8_t>{0xE1, 0x61, 0xF0})
         for (const std::uint8_t to : std::initializer_list<std::uint8_t>{0xDC, 0xFF}) {
             Guard guard;
@@ -61,7 +61,7 @@ TEST(AirGuard, other_hosts_that_write_refuse_nothing_and_are_named_for_two_secon
         }
 }
 
-TEST(AirGuard, answers_and_questions_are_no_writes) {
+TEST(AirGuard, does_not_count_answers_and_requests_as_writes) {
     Guard guard;
     guard.hear(0xDC, 0xFE, 0xE1, {1, 0, 3});
     guard.hear(0xDC, 0xFF, 0xF0, {0, 0x02, 0x10, 0, 0});

@@ -114,7 +114,7 @@ struct EachOther : Swapped, testing::WithParamInterface<Other> {
     EachOther() { other = GetParam(); }
 };
 
-TEST_P(EachOther, gets_no_value_of_an_import) {
+TEST_P(EachOther, receives_no_value_of_an_import) {
     ParameterApply task{device, nullptr, values()};
     run(task);
     is_left_alone(task);
@@ -122,7 +122,7 @@ TEST_P(EachOther, gets_no_value_of_an_import) {
               (std::vector{State::written, State::written, State::failed, State::waiting, State::waiting, State::waiting}));
 }
 
-TEST_P(EachOther, gets_no_old_value_either) {
+TEST_P(EachOther, receives_no_restored_old_value) {
     ParameterApply task{device, nullptr, values(), {.rollback = true}};
     run(task);
     is_left_alone(task);
@@ -133,7 +133,7 @@ TEST_P(EachOther, gets_no_old_value_either) {
 INSTANTIATE_TEST_SUITE_P(All, EachOther, testing::ValuesIn(others));
 
 // The write that fails belongs to the previous device; the other one appears while the old values are written back.
-TEST_F(Swapped, while_it_is_undone_the_rest_stays_as_it_is) {
+TEST_F(Swapped, device_during_a_rollback_receives_no_further_old_value) {
     fake.parameters[4].store = [this](const Bytes&) { return fake.parameters[4].value; };
     after = 7;    // the third old value
     ParameterApply task{device, nullptr, values(), {.rollback = true}};
@@ -144,7 +144,7 @@ TEST_F(Swapped, while_it_is_undone_the_rest_stays_as_it_is) {
               (std::vector{State::not_undone, State::not_undone, State::undone, State::undone, State::failed, State::waiting}));
 }
 
-TEST_F(Swapped, one_that_does_not_answer_when_the_values_are_undone_gets_none_of_them) {
+TEST_F(Swapped, device_that_does_not_answer_during_a_rollback_receives_no_old_value) {
     other.silent = 2500ms;
     ParameterApply task{device, nullptr, values(), {.rollback = true}};
     run(task);
@@ -152,7 +152,7 @@ TEST_F(Swapped, one_that_does_not_answer_when_the_values_are_undone_gets_none_of
     EXPECT_EQ(acted, std::vector<Bytes>{});
 }
 
-TEST_F(Swapped, the_same_device_gets_the_value_again) {
+TEST_F(Swapped, the_same_device_receives_the_value_again) {
     other.has_other_info = false;
     for (const bool down : {false, true}) {
         other.link_was_down = down;
@@ -167,7 +167,7 @@ TEST_F(Swapped, the_same_device_gets_the_value_again) {
     }
 }
 
-TEST_F(Swapped, gets_no_second_save_or_reset) {
+TEST_F(Swapped, device_receives_no_second_save_or_reset) {
     at_id = 0xE0;
     after = 0;
     for (const Action what : {Action::save, Action::restore_defaults}) {
@@ -182,7 +182,7 @@ TEST_F(Swapped, gets_no_second_save_or_reset) {
     }
 }
 
-TEST_F(Swapped, gets_no_repeated_command) {
+TEST_F(Swapped, device_receives_no_repeated_command) {
     at_id = 0xC0;
     after = 0;
     for (const Other& one :
@@ -200,7 +200,7 @@ TEST_F(Swapped, gets_no_repeated_command) {
 }
 
 // It is not known whether the frames to the device or its answers are lost: the command may be LAND.
-TEST_F(Swapped, a_silent_device_gets_the_command_again) {
+TEST_F(Swapped, a_silent_device_receives_the_command_again) {
     is_one = false;
     fake.deaf = true;
     fake.heard.clear();
@@ -209,7 +209,7 @@ TEST_F(Swapped, a_silent_device_gets_the_command_again) {
     EXPECT_EQ(std::count_if(fake.heard.begin(), fake.heard.end(), [](const Bytes& f) { return f[3] == 0xC0; }), 5);
 }
 
-TEST_F(Swapped, gets_no_waypoint) {
+TEST_F(Swapped, device_receives_no_waypoint) {
     at_id = 0x61;
     for (const bool down : {false, true})
         for (const std::size_t at : {0u, 4u}) {
@@ -229,7 +229,7 @@ TEST_F(Swapped, gets_no_waypoint) {
         }
 }
 
-TEST_F(Swapped, gets_no_frame_of_an_upgrade) {
+TEST_F(Swapped, device_receives_no_frame_of_an_upgrade) {
     FakeLoader loader, of_other;
     at_id = 0xF0;
     after = 9;
@@ -256,7 +256,7 @@ TEST_F(Swapped, gets_no_frame_of_an_upgrade) {
     }
 }
 
-TEST(AnotherDevice, is_not_cleared_and_gets_no_calibration) {
+TEST(AnotherDevice, is_not_cleared_and_receives_no_calibration) {
     for (const bool cancels : {true, false})
         for (const Duration silent : {300ms, 1000ms, 3000ms}) {
             support::CalibrationBench bench;
@@ -277,7 +277,7 @@ TEST(AnotherDevice, is_not_cleared_and_gets_no_calibration) {
         }
 }
 
-TEST(AnotherDevice, gets_no_old_values_when_the_new_ones_fail) {
+TEST(AnotherDevice, receives_no_old_values_when_the_new_ones_fail) {
     support::CalibrationBench bench;
     ASSERT_TRUE(bench.run_to(Calibration::Step::write));
     bench.run(100ms);
@@ -305,7 +305,7 @@ struct Unasked : testing::Test {
     }
 };
 
-TEST_F(Unasked, is_identified_before_the_first_frame_that_acts) {
+TEST_F(Unasked, device_is_identified_before_the_first_frame_that_acts) {
     ParameterAction save{device, Action::save};
     std::size_t saves = 0;
     fake.instead = [&](FrameView frame) -> std::optional<std::vector<Bytes>> {
@@ -322,7 +322,7 @@ TEST_F(Unasked, is_identified_before_the_first_frame_that_acts) {
     EXPECT_EQ(fake.heard.at(1)[3], 0xE0) << "who it is, before the save";
 }
 
-TEST_F(Unasked, and_silent_about_its_device_info_is_served_all_the_same) {
+TEST_F(Unasked, device_that_never_sends_its_device_info_is_still_served) {
     fake.instead = [&](FrameView frame) -> std::optional<std::vector<Bytes>> {
         const bool asks_who = frame.id() == 0xE0 && frame.data().size() >= 1 && frame.data()[0] == 0;
         return asks_who ? std::optional{std::vector<Bytes>{}} : std::nullopt;
@@ -453,7 +453,7 @@ TEST(AnotherDevice, is_meant_by_one_device_info_that_differs) {
     }
 }
 
-TEST_F(Unasked, gets_its_first_command_as_the_first_frame_and_no_repeat_after_its_link_was_down) {
+TEST_F(Unasked, device_receives_a_command_as_its_first_frame_and_no_repeat_after_its_link_was_down) {
     CommandCall call{device, {0, {16, 0, 2}, {}, false, "LAND"}, {}, true};
     fake.instead = [&](FrameView) -> std::optional<std::vector<Bytes>> {
         device.link_was_down();

@@ -31,7 +31,7 @@ struct Tardy : testing::Test {
     }
 };
 
-TEST_F(Tardy, every_task_ends_within_its_bound) {
+TEST_F(Tardy, device_delays_no_task_beyond_its_time_limit) {
     fake.make_parameters(12);
     fake.commands.resize(3);
     fake.waypoints.resize(4, Bytes(22));
@@ -43,7 +43,7 @@ TEST_F(Tardy, every_task_ends_within_its_bound) {
     }
 }
 
-TEST_F(Tardy, what_is_large_has_more_time_and_comes_whole) {
+TEST_F(Tardy, device_with_1000_parameters_is_read_completely_in_a_longer_time) {
     fake.make_parameters(1000);
     Parameters all{device};
     all.read_all(simulation.now);
@@ -54,7 +54,7 @@ TEST_F(Tardy, what_is_large_has_more_time_and_comes_whole) {
     EXPECT_LE(took, all.max_duration());
 }
 
-TEST_F(Tardy, an_upgrade_that_is_given_up_leaves_the_device_in_its_loader) {
+TEST_F(Tardy, device_is_left_in_its_boot_loader_when_an_upgrade_times_out) {
     simulation.there.delay = simulation.back.delay = 400ms;
     FirmwareImage image;
     image.bytes = Bytes(100'000);

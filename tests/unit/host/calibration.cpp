@@ -134,7 +134,7 @@ TEST_F(Calibrates, an_accelerometer) {
 }
 
 // As over a radio that sends answers first: samples from before the clear, and from before the store, arrive up to 3 s later.
-TEST_F(Calibrates, by_samples_that_can_not_be_of_before) {
+TEST_F(Calibrates, without_samples_that_may_be_older_than_the_clear_or_the_store) {
     make(Sensor::accelerometer);
     Calibration task{device, Sensor::accelerometer, &cache};
     begin(task);
@@ -186,7 +186,7 @@ TEST_F(Calibrates, a_compass) {
     EXPECT_NEAR(load<float>(stored()[3].data()), 448.1 / 500, 0.01);
 }
 
-TEST_F(Calibrates, a_compass_again_when_it_restarts_right_behind_the_clear) {
+TEST_F(Calibrates, a_compass_again_when_the_device_restarts_directly_after_the_clear) {
     make(Sensor::compass);
     Calibration task{device, Sensor::compass, &cache};
     begin(task);
@@ -259,7 +259,7 @@ struct HidesTheClear : Calibrates {
     }
 };
 
-TEST_F(HidesTheClear, a_compass_is_proven_on_all_sides) {
+TEST_F(HidesTheClear, a_compass_is_verified_on_all_sides) {
     Calibration task{device, Sensor::compass, &cache};
     calibrate(task, 6000, {{60, -40, 30}, {1, 1, 1}});
     EXPECT_EQ(task.end()->ending, Ending::done) << task.end()->what;
@@ -267,7 +267,7 @@ TEST_F(HidesTheClear, a_compass_is_proven_on_all_sides) {
     EXPECT_LT(task.verified().value_or(1), 0.005);
 }
 
-TEST_F(HidesTheClear, a_compass_is_never_made_worse) {
+TEST_F(HidesTheClear, a_compass_is_never_calibrated_worse_than_before) {
     for (const CompassCalibration& old_one :
          {CompassCalibration{{115, -76, 58}, {1, 0.98, 0.99}}, right, CompassCalibration{{60, -40, 30}, {1, 1, 1}}})
         for (const int raw_ones : {0, 50, 100, 150, 190}) {
@@ -287,7 +287,7 @@ TEST_F(HidesTheClear, a_compass_is_never_made_worse) {
 struct CalibratesSlowly : Calibrates, testing::WithParamInterface<int> {};
 INSTANTIATE_TEST_SUITE_P(Delays, CalibratesSlowly, testing::Values(1, 10, 20, 30, 40, 60, 100, 200));
 
-TEST_P(CalibratesSlowly, a_compass_that_dies_at_the_first_value_is_told_within_five_seconds) {
+TEST_P(CalibratesSlowly, a_compass_and_reports_within_five_seconds_that_it_was_lost_at_the_first_value) {
     simulation.there.delay = simulation.back.delay = std::chrono::milliseconds{GetParam()};
     make(Sensor::compass);
     Calibration task{device, Sensor::compass, &cache};
@@ -315,7 +315,7 @@ TEST_P(CalibratesSlowly, a_compass_that_dies_at_the_first_value_is_told_within_f
     EXPECT_LE(simulation.now - died, 4950ms);
 }
 
-TEST_F(Calibrates, and_writes_nothing_before_the_new_values_are_kept) {
+TEST_F(Calibrates, and_writes_nothing_before_the_new_values_are_saved) {
     make(Sensor::accelerometer);
     Calibration task{device, Sensor::accelerometer, &cache};
     task.keep_before_writing();
@@ -331,7 +331,7 @@ TEST_F(Calibrates, and_writes_nothing_before_the_new_values_are_kept) {
     EXPECT_EQ(task.step(), Calibration::Step::verify);
 }
 
-TEST_F(Calibrates, and_writes_no_values_that_could_not_be_kept) {
+TEST_F(Calibrates, and_writes_no_values_that_could_not_be_saved) {
     make(Sensor::accelerometer);
     Calibration task{device, Sensor::accelerometer, &cache};
     task.keep_before_writing();
@@ -347,7 +347,7 @@ TEST_F(Calibrates, and_writes_no_values_that_could_not_be_kept) {
     EXPECT_EQ(stored(), old);
 }
 
-TEST_F(Calibrates, a_rejected_one_writes_the_old_values_back) {
+TEST_F(Calibrates, and_restores_the_old_values_when_the_result_is_rejected) {
     make(Sensor::accelerometer);
     Calibration task{device, Sensor::accelerometer, &cache};
     begin(task);
@@ -360,7 +360,7 @@ TEST_F(Calibrates, a_rejected_one_writes_the_old_values_back) {
     EXPECT_EQ(actions, (std::vector<std::uint16_t>{0x20, 0x21}));
 }
 
-TEST_F(Calibrates, a_cancelled_one_writes_the_old_values_back) {
+TEST_F(Calibrates, and_restores_the_old_values_after_it_is_cancelled) {
     make(Sensor::accelerometer);
     Calibration task{device, Sensor::accelerometer, &cache};
     begin(task);
@@ -375,7 +375,7 @@ TEST_F(Calibrates, a_cancelled_one_writes_the_old_values_back) {
 }
 
 // A device that was never calibrated may store any bytes there, such as erased flash.
-TEST_F(Calibrates, old_values_that_are_no_numbers_are_put_back_bit_by_bit) {
+TEST_F(Calibrates, and_restores_old_values_that_are_not_numbers_bit_for_bit) {
     make(Sensor::accelerometer);
     fake.parameters[1].value = {0xFF, 0xFF, 0xFF, 0xFF};
     fake.parameters[2].value = {0x01, 0x00, 0x80, 0x7F};    // a signalling NaN
@@ -393,7 +393,7 @@ TEST_F(Calibrates, old_values_that_are_no_numbers_are_put_back_bit_by_bit) {
     EXPECT_EQ(stored(), old);
 }
 
-TEST_F(Calibrates, what_is_measured_is_better_than_no_number) {
+TEST_F(Calibrates, a_device_whose_old_value_is_not_a_number) {
     make(Sensor::accelerometer);
     fake.parameters[1].value = {0xFF, 0xFF, 0xFF, 0xFF};
     Calibration task{device, Sensor::accelerometer, &cache};
@@ -403,7 +403,7 @@ TEST_F(Calibrates, what_is_measured_is_better_than_no_number) {
     EXPECT_EQ(task.end()->ending, Ending::done) << task.end()->what;
 }
 
-TEST_F(Calibrates, a_device_that_clamps_the_new_values_has_its_old_ones_back) {
+TEST_F(Calibrates, and_restores_the_old_values_of_a_device_that_limits_the_new_ones) {
     make(Sensor::accelerometer);
     fake.parameters[1].store = [](const Bytes& value) { return load<float>(value.data()) > 20 ? f32(20) : value; };
     Calibration task{device, Sensor::accelerometer, &cache};
@@ -415,7 +415,7 @@ TEST_F(Calibrates, a_device_that_clamps_the_new_values_has_its_old_ones_back) {
     EXPECT_EQ(stored(), old);
 }
 
-TEST_F(Calibrates, a_device_that_does_not_keep_the_new_values_has_its_old_ones_back) {
+TEST_F(Calibrates, and_restores_the_old_values_of_a_device_that_does_not_store_the_new_ones) {
     make(Sensor::accelerometer);
     forgets_once = true;
     Calibration task{device, Sensor::accelerometer, &cache};
@@ -427,7 +427,7 @@ TEST_F(Calibrates, a_device_that_does_not_keep_the_new_values_has_its_old_ones_b
     EXPECT_EQ(stored(), old);
 }
 
-TEST_F(Calibrates, one_that_nobody_turns_ends_after_ten_minutes) {
+TEST_F(Calibrates, and_ends_after_ten_minutes_if_the_device_is_not_turned) {
     make(Sensor::accelerometer);
     Calibration task{device, Sensor::accelerometer, &cache};
     begin(task);
@@ -444,7 +444,7 @@ TEST_F(Calibrates, one_that_nobody_turns_ends_after_ten_minutes) {
     EXPECT_EQ(stored(), old);
 }
 
-TEST_F(Calibrates, a_lost_device_ends_it_and_says_that_the_old_values_are_not_back) {
+TEST_F(Calibrates, and_reports_that_the_old_values_of_a_lost_device_are_not_restored) {
     make(Sensor::accelerometer);
     Calibration task{device, Sensor::accelerometer, &cache};
     begin(task);
@@ -461,7 +461,7 @@ TEST_F(Calibrates, a_lost_device_ends_it_and_says_that_the_old_values_are_not_ba
     EXPECT_EQ(later.end()->ending, Ending::done) << later.end()->what;
 }
 
-TEST_F(Calibrates, nothing_where_the_parameters_are_not_as_they_should_be) {
+TEST_F(Calibrates, nothing_when_the_parameters_are_missing_or_in_the_wrong_order) {
     make(Sensor::accelerometer);
     std::swap(fake.parameters[3].name, fake.parameters[4].name);
     Calibration order{device, Sensor::accelerometer, nullptr};

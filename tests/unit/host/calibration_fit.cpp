@@ -44,7 +44,7 @@ void lie(SixFaces& faces, const Vector& raw, support::Random& random, int sample
                    {noise(random, turning) + 3, noise(random, turning), noise(random, turning)});
 }
 
-TEST(LeastSquares, finds_what_fits_best_and_nothing_where_it_is_open) {
+TEST(LeastSquares, finds_the_best_fit_and_nothing_for_an_underdetermined_problem) {
     LeastSquares<2> line;
     for (int x = 0; x < 5; ++x) line.add({static_cast<double>(x), 1}, 3 * x - 7 + (x % 2 == 0 ? 0 : 0));
     const auto found = line.solution();
@@ -57,7 +57,7 @@ TEST(LeastSquares, finds_what_fits_best_and_nothing_where_it_is_open) {
     EXPECT_FALSE(open.solution());
 }
 
-TEST(AccelerometerCalibration, its_15_values_are_in_the_order_of_the_parameters) {
+TEST(AccelerometerCalibration, returns_its_15_values_in_the_order_of_the_parameters) {
     const auto values = skewed.values();
     EXPECT_FLOAT_EQ(values[1], -25);
     EXPECT_FLOAT_EQ(values[5], 1.05f);
@@ -66,7 +66,7 @@ TEST(AccelerometerCalibration, its_15_values_are_in_the_order_of_the_parameters)
     EXPECT_EQ(AccelerometerCalibration::of(values).values(), values);
 }
 
-TEST(SixFaces, know_which_face_is_up_and_how_still_it_is) {
+TEST(SixFaces, find_which_face_is_up_and_whether_it_is_still) {
     support::Random random{1};
     for (std::size_t face = 0; face < 6; ++face) {
         SixFaces faces;
@@ -79,7 +79,7 @@ TEST(SixFaces, know_which_face_is_up_and_how_still_it_is) {
     }
 }
 
-TEST(SixFaces, take_nothing_while_it_shakes_or_turns_or_stands_on_an_edge) {
+TEST(SixFaces, accept_no_samples_while_the_device_shakes_turns_or_lies_on_an_edge) {
     support::Random random{1};
     SixFaces faces;
     lie(faces, gravity_on(4), random, 200, 100);
@@ -95,7 +95,7 @@ TEST(SixFaces, take_nothing_while_it_shakes_or_turns_or_stands_on_an_edge) {
 }
 
 // 50 samples a second, behind a low pass of 1 s during which it was turned; and tilted by 1 °/s.
-TEST(SixFaces, do_not_count_what_still_settles_or_is_tilted) {
+TEST(SixFaces, do_not_count_samples_while_the_device_settles_or_tilts) {
     SixFaces smooth;
     int n = 0;
     for (; n < 3000 && !smooth.is_enough(Face::z_plus); ++n)
@@ -183,7 +183,7 @@ double worst_length(const AccelerometerCalibration& calibration, const Accelerom
     return worst;
 }
 
-TEST(SixFaces, show_the_error_matrix_when_they_are_level_and_the_old_one_is_wrong) {
+TEST(SixFaces, measure_the_error_matrix_when_they_are_level_and_the_old_matrix_is_wrong) {
     EXPECT_EQ(laid(skewed, 0, 1).choose_measure({}), Measure::direction);
     EXPECT_EQ(laid(skewed, 0.002, 1).choose_measure({}), Measure::direction);
     EXPECT_EQ(laid(skewed, 0, 1).choose_measure(skewed), Measure::length) << "it is right";
@@ -209,7 +209,7 @@ TEST(SixFaces, that_are_tilted_find_offset_and_sensitivity_and_keep_the_error_ma
         }
 }
 
-TEST(SixFaces, that_are_not_all_there_are_rejected) {
+TEST(SixFaces, that_are_not_all_measured_are_rejected) {
     support::Random random{1};
     SixFaces faces;
     lie(faces, gravity_on(0), random);
@@ -265,7 +265,7 @@ TEST(CompassSphere, shows_which_directions_are_missing) {
     EXPECT_EQ(sphere.fit({}).wrong.substr(0, 5), "only ");
 }
 
-TEST(CompassSphere, keeps_no_more_of_one_direction_than_it_needs) {
+TEST(CompassSphere, stores_a_limited_number_of_samples_of_one_direction) {
     CompassSphere sphere;
     turn(sphere, 1);
     const std::size_t before = sphere.samples();
@@ -273,7 +273,7 @@ TEST(CompassSphere, keeps_no_more_of_one_direction_than_it_needs) {
     EXPECT_LE(sphere.samples(), before + CompassSphere::max_in_cell);
 }
 
-TEST(CompassSphere, noise_is_no_ellipsoid) {
+TEST(CompassSphere, rejects_noise) {
     CompassSphere sphere;
     support::Random random{1};
     for (int i = 0; i < 5000; ++i) sphere.take({noise(random, 400), noise(random, 400), noise(random, 400)});

@@ -25,7 +25,7 @@ void is_calibrated(CalibrationBench& bench) {
     EXPECT_LE(bench.task.verified().value_or(1000), 4 + 3 * bench.task.residuals()->second);
 }
 
-TEST(CalibrationRestarts, without_one_it_is_cleared_once) {
+TEST(CalibrationRestarts, without_any_the_device_is_cleared_once) {
     CalibrationBench bench;
     EXPECT_GT(bench.worst_face(), 50);
     is_calibrated(bench);
@@ -42,7 +42,7 @@ TEST(CalibrationRestarts, an_older_device_is_calibrated_by_scaled_values) {
     EXPECT_EQ(bench.task.restarts(), 1u);
 }
 
-TEST(CalibrationRestarts, an_older_device_has_its_scaled_values_back) {
+TEST(CalibrationRestarts, the_scaled_old_values_of_an_older_device_are_restored) {
     CalibrationBench bench;
     bench.make_scaled(100'000);
     const auto old = bench.flash;
@@ -68,7 +68,7 @@ TEST(CalibrationRestarts, an_older_device_with_a_coarse_scale_keeps_its_old_valu
     EXPECT_EQ(bench.flash, old);
 }
 
-TEST(CalibrationRestarts, one_that_only_the_values_show_is_found_before_the_fit) {
+TEST(CalibrationRestarts, that_only_the_values_show_are_detected_before_the_fit) {
     CalibrationBench bench;
     ASSERT_TRUE(bench.run_to(Step::turn, 3));
     bench.restart(0s);
@@ -78,7 +78,7 @@ TEST(CalibrationRestarts, one_that_only_the_values_show_is_found_before_the_fit)
     EXPECT_EQ(clears(bench), 2);
 }
 
-TEST(CalibrationRestarts, one_between_the_values_and_the_fit_is_found_too) {
+TEST(CalibrationRestarts, between_the_values_and_the_fit_are_detected_too) {
     CalibrationBench bench;
     ASSERT_TRUE(bench.run_to(Step::confirm));
     bench.restart(600ms);
@@ -86,7 +86,7 @@ TEST(CalibrationRestarts, one_between_the_values_and_the_fit_is_found_too) {
     EXPECT_EQ(bench.task.restarts(), 1u);
 }
 
-TEST(CalibrationRestarts, a_gap_of_more_than_half_a_second_is_one) {
+TEST(CalibrationRestarts, a_gap_of_more_than_half_a_second_counts_as_a_restart) {
     for (const auto& [gap, restarts] : {std::pair{460ms, 0u}, {540ms, 1u}, {3000ms, 1u}}) {
         CalibrationBench bench;
         bench.shows_the_clear = false;
@@ -100,7 +100,7 @@ TEST(CalibrationRestarts, a_gap_of_more_than_half_a_second_is_one) {
     }
 }
 
-TEST(CalibrationRestarts, device_info_that_nobody_asked_for_is_one) {
+TEST(CalibrationRestarts, unrequested_device_info_counts_as_a_restart) {
     CalibrationBench bench;
     ASSERT_TRUE(bench.run_to(Step::turn, 1));
     bench.run(5s);    // longer than an answer to the last question may take
@@ -112,7 +112,7 @@ TEST(CalibrationRestarts, device_info_that_nobody_asked_for_is_one) {
     EXPECT_EQ(clears(bench), 2);
 }
 
-TEST(CalibrationRestarts, device_info_that_somebody_asked_for_is_none) {
+TEST(CalibrationRestarts, requested_device_info_does_not_count_as_a_restart) {
     CalibrationBench bench;
     ASSERT_TRUE(bench.run_to(Step::turn, 1));
     bench.run(5s);
@@ -124,7 +124,7 @@ TEST(CalibrationRestarts, device_info_that_somebody_asked_for_is_none) {
 }
 
 // It restarts before it has written its flash. On the face on which it is verified, the old values are as good as the new ones.
-TEST(CalibrationRestarts, one_behind_the_store_is_found_by_the_values) {
+TEST(CalibrationRestarts, after_the_store_are_detected_by_the_values) {
     for (const Duration later : {100ms, 300ms, 1000ms, 2000ms}) {
         CalibrationBench bench;
         bench.sensor = {{0, 60, 0}, {0.97, 1, 1.03}};
@@ -145,7 +145,7 @@ TEST(CalibrationRestarts, one_behind_the_store_is_found_by_the_values) {
     }
 }
 
-TEST(CalibrationRestarts, device_info_that_has_changed_is_one) {
+TEST(CalibrationRestarts, changed_device_info_counts_as_a_restart) {
     CalibrationBench bench;
     ASSERT_TRUE(bench.run_to(Step::turn, 1));
     bench.device.expect_info(bench.now);
@@ -163,7 +163,7 @@ void make_sensitive(CalibrationBench& bench) {
     bench.load_flash();
 }
 
-TEST(CalibrationRestarts, one_right_behind_the_clear_is_found) {
+TEST(CalibrationRestarts, directly_after_the_clear_are_detected) {
     for (const Duration silence : {600ms, 900ms})
         for (const bool shows : {true, false}) {
             CalibrationBench bench;
@@ -179,7 +179,7 @@ TEST(CalibrationRestarts, one_right_behind_the_clear_is_found) {
         }
 }
 
-TEST(CalibrationRestarts, one_that_only_the_samples_show_is_found_in_the_fit) {
+TEST(CalibrationRestarts, that_only_the_samples_show_are_detected_in_the_fit) {
     CalibrationBench bench;
     make_sensitive(bench);
     bench.shows_the_clear = false;
@@ -194,7 +194,7 @@ TEST(CalibrationRestarts, one_that_only_the_samples_show_is_found_in_the_fit) {
 }
 
 // Its old values belong to another sensor: this is certain after the second clear.
-TEST(CalibrationRestarts, a_device_that_needs_no_correction_is_calibrated_at_the_second_time) {
+TEST(CalibrationRestarts, a_device_that_needs_no_correction_is_calibrated_at_the_second_attempt) {
     CalibrationBench bench;
     bench.sensor = {{}, {1, 1, 1}};
     is_calibrated(bench);
@@ -202,7 +202,7 @@ TEST(CalibrationRestarts, a_device_that_needs_no_correction_is_calibrated_at_the
     EXPECT_EQ(clears(bench), 2);
 }
 
-TEST(CalibrationRestarts, a_gap_before_the_first_sample_is_judged_by_the_pace_behind_it) {
+TEST(CalibrationRestarts, a_gap_before_the_first_sample_is_compared_with_the_rate_after_it) {
     Device device{0xDC};
     const TimePoint start{};
     RestartWatch fast{device, start};
@@ -223,7 +223,7 @@ TEST(CalibrationRestarts, a_gap_before_the_first_sample_is_judged_by_the_pace_be
     EXPECT_EQ(after_one.sign(device), "no samples for 0.7 s");
 }
 
-TEST(CalibrationRestarts, device_info_that_nobody_asked_for_is_one_right_behind_an_answer) {
+TEST(CalibrationRestarts, unrequested_device_info_directly_after_an_answer_counts_as_a_restart) {
     CalibrationBench bench;
     ASSERT_TRUE(bench.run_to(Step::turn, 1));
     bench.device.expect_info(bench.now);
@@ -238,7 +238,7 @@ TEST(CalibrationRestarts, device_info_that_nobody_asked_for_is_one_right_behind_
 }
 
 // One sample a second is its pace, not a series of restarts.
-TEST(CalibrationRestarts, a_slow_device_is_judged_by_its_own_pace) {
+TEST(CalibrationRestarts, a_gap_of_a_slow_device_is_compared_with_its_rate) {
     Device device{0xDC};
     RestartWatch watch{device, TimePoint{}};
     TimePoint now{};
@@ -248,7 +248,7 @@ TEST(CalibrationRestarts, a_slow_device_is_judged_by_its_own_pace) {
     EXPECT_EQ(watch.sign(device), "no samples for 3.1 s");
 }
 
-TEST(CalibrationRestarts, again_and_again_ends_it) {
+TEST(CalibrationRestarts, six_times_in_a_row_end_the_calibration) {
     CalibrationBench bench;
     for (int i = 0; i < 6; ++i) {
         ASSERT_TRUE(bench.run_to(Step::turn, 1)) << i;
@@ -262,7 +262,7 @@ TEST(CalibrationRestarts, again_and_again_ends_it) {
 }
 
 // The device erases flash, for instance. Whether it restarted can't be seen.
-TEST(CalibrationRestarts, silence_after_each_clear_is_named_and_ends_it) {
+TEST(CalibrationRestarts, silence_after_each_clear_is_reported_and_ends_the_calibration) {
     for (const auto& [silence, words] : {std::pair{800ms, "0.8 s"}, {3000ms, "3.0 s"}}) {
         CalibrationBench bench;
         const auto old = bench.flash;
@@ -286,7 +286,7 @@ TEST(CalibrationRestarts, silence_after_each_clear_is_named_and_ends_it) {
 }
 
 // It restarts so fast that there is no sign, and its parameters never show that they are cleared.
-TEST(CalibrationRestarts, what_no_sign_shows_is_found_in_what_the_device_sends_afterwards) {
+TEST(CalibrationRestarts, without_any_sign_are_detected_by_the_corrected_samples_at_the_end) {
     CalibrationBench bench;
     const auto old = bench.flash;
     bench.shows_the_clear = false;
@@ -301,7 +301,7 @@ TEST(CalibrationRestarts, what_no_sign_shows_is_found_in_what_the_device_sends_a
 }
 
 // Such as (raw - O) / S: a face with sensitivity 1 does not show this, so one more face is requested.
-TEST(CalibrationRestarts, a_device_that_uses_another_formula_has_its_old_values_back) {
+TEST(CalibrationRestarts, the_old_values_of_a_device_that_uses_another_formula_are_restored) {
     const auto divides = [](CalibrationBench::Values v) {
         for (std::size_t i = 3; i < 6; ++i) v[i] = 1 / v[i];
         return v;
@@ -322,13 +322,13 @@ TEST(CalibrationRestarts, a_device_that_uses_another_formula_has_its_old_values_
     }
 }
 
-TEST(CalibrationRestarts, values_that_are_used_some_seconds_after_they_were_stored_are_good) {
+TEST(CalibrationRestarts, values_that_the_device_uses_some_seconds_after_the_store_are_accepted) {
     CalibrationBench bench;
     bench.uses_after = 7s;
     is_calibrated(bench);
 }
 
-TEST(CalibrationRestarts, values_that_are_stored_and_not_used_go_back) {
+TEST(CalibrationRestarts, the_old_values_are_restored_when_the_device_stores_but_does_not_use_the_new_ones) {
     CalibrationBench bench;
     const auto old = bench.flash;
     bench.uses_nothing = true;
@@ -343,7 +343,7 @@ TEST(CalibrationRestarts, values_that_are_stored_and_not_used_go_back) {
     EXPECT_TRUE(bench.task.has_old_values());
 }
 
-TEST(CalibrationRestarts, who_takes_it_away_before_it_is_verified_has_the_old_values) {
+TEST(CalibrationRestarts, the_old_values_are_restored_when_the_device_is_moved_before_verification) {
     CalibrationBench bench;
     const auto old = bench.flash;
     ASSERT_TRUE(bench.run_to(Step::verify));
@@ -356,7 +356,7 @@ TEST(CalibrationRestarts, who_takes_it_away_before_it_is_verified_has_the_old_va
     EXPECT_EQ(bench.flash, old);
 }
 
-TEST(CalibrationRestarts, a_device_that_dies_is_reported_within_five_seconds) {
+TEST(CalibrationRestarts, a_lost_device_is_reported_within_five_seconds) {
     for (const Step step : {Step::clear, Step::turn, Step::confirm, Step::write, Step::verify, Step::restore}) {
         CalibrationBench bench;
         bench.uses_nothing = step == Step::restore;
@@ -372,7 +372,7 @@ TEST(CalibrationRestarts, a_device_that_dies_is_reported_within_five_seconds) {
     }
 }
 
-TEST(CalibrationRestarts, a_device_without_samples_is_named) {
+TEST(CalibrationRestarts, a_device_that_sends_no_samples_is_reported) {
     CalibrationBench bench;
     ASSERT_TRUE(bench.run_to(Step::turn));
     TimePoint last_heard = bench.now;
@@ -469,7 +469,7 @@ TEST(CalibrationRestarts, a_calibration_that_is_partly_right_is_not_made_worse_b
     EXPECT_EQ(bench.worst_face(), before);
 }
 
-TEST(CalibrationRestarts, one_behind_each_clear_never_leaves_wrong_values) {
+TEST(CalibrationRestarts, after_each_clear_never_leave_wrong_values) {
     for (const auto& sensor : sensors)
         for (const bool shows : {true, false}) {
             CalibrationBench bench;
@@ -483,7 +483,7 @@ TEST(CalibrationRestarts, one_behind_each_clear_never_leaves_wrong_values) {
         }
 }
 
-TEST(CalibrationRestarts, a_short_one_of_a_device_that_does_not_show_the_clear_never_leaves_wrong_values) {
+TEST(CalibrationRestarts, a_short_restart_of_a_device_that_does_not_show_the_clear_leaves_no_wrong_values) {
     int good = 0, undone = 0;
     for (const auto& sensor : sensors)
         for (Duration at = 300ms; at < 15s; at += support::sanitized ? 4500ms : 500ms) {

@@ -24,7 +24,7 @@ bool is_calibrated(CalibrationBench& bench) {
 }
 
 // As over a radio that sends answers first.
-TEST(CalibrationSamples, that_come_late_are_none_of_before_the_clear_or_the_store) {
+TEST(CalibrationSamples, that_arrive_late_from_before_the_clear_or_the_store_do_not_count) {
     for (Duration late{}; late <= Calibration::most_late; late += support::sanitized ? 1s : 200ms)
         for (const bool shows_the_clear : {true, false}) {
             CalibrationBench bench;
@@ -35,7 +35,7 @@ TEST(CalibrationSamples, that_come_late_are_none_of_before_the_clear_or_the_stor
         }
 }
 
-TEST(CalibrationSamples, behind_a_low_pass_count_when_they_have_settled) {
+TEST(CalibrationSamples, of_a_device_with_a_low_pass_count_once_they_have_settled) {
     for (const Duration step : {2ms, 5ms, 20ms, 50ms})
         for (const double smooths : {0.05, 0.25, 0.5, 1.0, 2.0}) {
             if (support::sanitized && (step < 20ms || smooths < 1)) continue;
@@ -47,7 +47,7 @@ TEST(CalibrationSamples, behind_a_low_pass_count_when_they_have_settled) {
         }
 }
 
-TEST(CalibrationSamples, of_a_device_that_is_tilted_do_not_count) {
+TEST(CalibrationSamples, of_a_device_that_is_being_tilted_do_not_count) {
     for (const Duration step : {2ms, 20ms, 50ms})
         for (const double tilts : {0.5, 1.0, 2.0, 4.0, 10.0, 30.0}) {
             if (support::sanitized && (step != 20ms || tilts != 2.0)) continue;
@@ -78,7 +78,7 @@ TEST(CalibrationSamples, of_faces_that_are_not_level_never_make_a_good_calibrati
 }
 
 // Its offset and sensitivity are found in spite of the tilts.
-TEST(CalibrationSamples, of_faces_that_are_not_level_calibrate_a_device_that_never_was) {
+TEST(CalibrationSamples, of_faces_that_are_not_level_calibrate_a_device_that_was_never_calibrated) {
     for (const double off : {0.003, 0.01, 0.02, 0.04, 0.06})
         for (const bool shows : {true, false}) {
             CalibrationBench bench;

@@ -55,7 +55,7 @@ TEST_F(CommandsOf, a_device_are_read_with_their_types) {
     EXPECT_TRUE(commands[4].has_unknown_type);
 }
 
-TEST_F(CommandsOf, a_device_with_a_type_beyond_seven_show_that_seven_is_u64) {
+TEST_F(CommandsOf, a_device_with_a_type_above_7_use_u64_for_type_7) {
     const auto commands = read(std::nullopt);
     EXPECT_EQ(commands[3].types, std::vector{Type::u64});
     EXPECT_FALSE(commands[3].has_open_type);
@@ -64,7 +64,7 @@ TEST_F(CommandsOf, a_device_with_a_type_beyond_seven_show_that_seven_is_u64) {
     EXPECT_EQ(std::count_if(fake.heard.begin(), fake.heard.end(), [](const Bytes& f) { return f[3] == 0xE0; }), 0);
 }
 
-TEST_F(CommandsOf, a_device_with_min_and_max_of_parameters_show_that_seven_is_f32) {
+TEST_F(CommandsOf, a_device_with_ranges_of_parameters_use_f32_for_type_7) {
     fake.commands = {{{0x10, 0, 7}, {7}, "seven", ""}};
     fake.make_parameters(1);
     fake.old = true;
@@ -74,7 +74,7 @@ TEST_F(CommandsOf, a_device_with_min_and_max_of_parameters_show_that_seven_is_f3
     EXPECT_EQ(Bytes(fake.heard[0].begin() + 9, fake.heard[0].end() - 2), (Bytes{0, 0, 0, 0x3F}));
 }
 
-TEST_F(CommandsOf, a_device_that_does_not_show_what_seven_is_are_not_called_with_one) {
+TEST_F(CommandsOf, a_device_that_does_not_show_the_meaning_of_type_7_are_not_called_with_it) {
     fake.commands = {{{0x10, 0, 7}, {7}, "seven", ""}, {{0x10, 0, 1}, {1}, "one", ""}};
     for (const bool has_parameters : {false, true}) {
         if (has_parameters) fake.make_parameters(1);
@@ -93,7 +93,7 @@ TEST_F(CommandsOf, a_device_that_does_not_show_what_seven_is_are_not_called_with
     }
 }
 
-TEST_F(CommandsOf, an_older_device_are_read_as_well) {
+TEST_F(CommandsOf, an_older_device_are_also_read) {
     fake.old = true;
     EXPECT_EQ(read().size(), 5u);
 }
@@ -107,7 +107,7 @@ TEST_F(CommandsOf, a_dead_device_end_soon) {
     EXPECT_EQ(commands.end()->ending, Ending::timeout);
 }
 
-TEST_F(CommandsOf, one_that_is_not_described_is_told) {
+TEST_F(CommandsOf, a_command_without_a_description_is_reported) {
     fake.instead = [](FrameView f) -> std::optional<std::vector<Bytes>> {
         if (f.id() == 0xC1 && f.data()[0] == 1 && f.data()[1] == 4) return std::vector<Bytes>{};
         return std::nullopt;
@@ -123,7 +123,7 @@ TEST_F(CommandsOf, one_that_is_not_described_is_told) {
 }
 
 // Losses for three seconds end both rounds of the questions; each question is repeated for a second when a round trip is known.
-TEST_F(CommandsOf, one_that_was_lost_again_and_again_is_asked_for_once_more) {
+TEST_F(CommandsOf, a_description_that_is_lost_repeatedly_is_requested_once_more) {
     std::optional<TimePoint> first;
     int lost = 0;
     fake.instead = [&](FrameView f) -> std::optional<std::vector<Bytes>> {
@@ -154,7 +154,7 @@ TEST_F(CommandsOf, values_are_checked_in_number_type_and_range) {
     EXPECT_TRUE(fake.heard.empty());
 }
 
-TEST_F(CommandsOf, a_call_is_sent_once_and_silence_is_unknown) {
+TEST_F(CommandsOf, a_call_is_sent_once_and_has_an_unknown_result_without_an_answer) {
     const auto commands = read();
     fake.deaf = true;
     const End end = call(commands[0], {});
@@ -182,7 +182,7 @@ TEST_F(CommandsOf, an_acknowledgement_with_wrong_check_bytes_ends_a_call_at_once
     EXPECT_EQ(fake.heard.size(), 1u) << "each send would run it again";
 }
 
-TEST_F(CommandsOf, an_acknowledgement_of_another_frame_ends_nothing) {
+TEST_F(CommandsOf, an_acknowledgement_of_another_frame_does_not_end_a_call) {
     const auto commands = read();
     for (const std::uint8_t of : Bytes{0xE1, 0xC1}) {
         fake.instead = [&](FrameView f) -> std::optional<std::vector<Bytes>> {
@@ -192,7 +192,7 @@ TEST_F(CommandsOf, an_acknowledgement_of_another_frame_ends_nothing) {
     }
 }
 
-TEST_F(CommandsOf, an_acknowledgement_from_a_port_of_the_device_ends_a_call_and_is_named) {
+TEST_F(CommandsOf, an_acknowledgement_from_a_port_of_the_device_ends_a_call_and_is_reported) {
     const auto commands = read();
     fake.instead = [&](FrameView f) -> std::optional<std::vector<Bytes>> {
         return std::vector<Bytes>{support::frame(0x05, 0xFE, 0x00, {f.id(), f.checks().sum, f.checks().add})};
@@ -228,7 +228,7 @@ struct HandCalls : CommandsOf {
         "unlock was sent more than once: the acknowledgement does not show which of them was carried out";
 };
 
-TEST_F(HandCalls, an_equal_one_leaves_at_once_after_one_without_an_answer) {
+TEST_F(HandCalls, an_equal_call_is_sent_at_once_after_a_call_without_an_answer) {
     const auto first = call_now(0);
     const auto sent = frame_now();
     ASSERT_TRUE(sent);
@@ -251,7 +251,7 @@ TEST_F(HandCalls, an_equal_one_leaves_at_once_after_one_without_an_answer) {
     EXPECT_EQ(third->end()->what, "") << "so late no answer to the first comes";
 }
 
-TEST_F(HandCalls, those_on_their_way_at_once_are_told_apart_where_their_bytes_differ) {
+TEST_F(HandCalls, calls_in_flight_are_distinguished_if_their_bytes_differ) {
     const auto first = call_now(0);
     const auto sent = frame_now();
     CommandInfo other_bytes = commands[0];
@@ -293,7 +293,7 @@ TEST_F(CommandsOf, a_call_is_the_next_frame_while_a_long_list_is_read) {
     EXPECT_EQ(std::count_if(fake.heard.begin(), fake.heard.end(), [](const Bytes& f) { return f[3] == 0xC0; }), 1);
 }
 
-TEST_F(CommandsOf, a_call_is_repeated_when_asked_to) {
+TEST_F(CommandsOf, a_call_is_repeated_if_requested) {
     const auto commands = read();
     fake.deaf = true;
     EXPECT_EQ(call(commands[0], {}, true).ending, Ending::timeout);

@@ -58,7 +58,7 @@ struct Host {
 
 // Before the first measurement a loss shows nothing: five losses in a row are no reason to give up when every other frame is
 // lost.
-TEST(Device, an_unanswered_question_is_sent_every_200_ms_for_six_seconds) {
+TEST(Device, sends_an_unanswered_request_every_200_ms_for_six_seconds) {
     Host host;
     host.ask_value(5);
     std::vector<Duration> at;
@@ -75,7 +75,7 @@ TEST(Device, an_unanswered_question_is_sent_every_200_ms_for_six_seconds) {
     EXPECT_FALSE(host.device.due());
 }
 
-TEST(Device, on_a_measured_line_a_question_is_repeated_for_a_second) {
+TEST(Device, repeats_a_request_for_one_second_on_a_measured_line) {
     Host host;
     for (int i = 0; i < 20; ++i) {
         host.ask_value(9);
@@ -104,7 +104,7 @@ struct Flushes : Host {
     }
 };
 
-TEST(Device, a_repeated_question_comes_after_a_flush_and_waits_longer_by_its_time) {
+TEST(Device, repeats_a_request_after_a_flush_and_waits_longer_by_the_time_of_the_flush) {
     Flushes host;
     host.ask_value(5);
     host.sent(start);
@@ -115,7 +115,7 @@ TEST(Device, a_repeated_question_comes_after_a_flush_and_waits_longer_by_its_tim
 }
 
 // Any frame sent meanwhile would end the zero bytes: only a command is sent.
-TEST(Device, nothing_but_a_command_follows_a_flush_before_the_line_is_free) {
+TEST(Device, sends_only_commands_after_a_flush_until_the_line_is_free) {
     Flushes host;
     host.device.on_maybe_deaf([](FrameView) { return ano::Flush{.busy = 500ms}; });
     for (int i = 0; i < 5; ++i) {
@@ -135,7 +135,7 @@ TEST(Device, nothing_but_a_command_follows_a_flush_before_the_line_is_free) {
     EXPECT_FALSE(host.sent(start + 1700ms).empty());
 }
 
-TEST(Device, that_has_heard_a_later_question_is_not_deaf) {
+TEST(Device, that_answered_a_later_request_needs_no_flush) {
     Flushes host;
     for (int i = 0; i < 3; ++i) {
         host.ask_value(9);
@@ -157,7 +157,7 @@ TEST(Device, that_has_heard_a_later_question_is_not_deaf) {
     EXPECT_EQ(host.before.size(), 1u) << "the last one may have made it deaf";
 }
 
-TEST(Device, what_is_sent_only_once_comes_after_a_flush) {
+TEST(Device, flushes_before_a_request_that_is_sent_only_once) {
     Flushes host;
     const Request command{0xC0, {1, 2, 3}, {.sends = 1, .wait = 2s}};
     ASSERT_TRUE(host.device.ask(command, host.listener));
@@ -194,7 +194,7 @@ struct LateFlushes : Host {
 };
 
 // A command may be LAND, and it is rare that the parser of a device is not ready.
-TEST(Device, what_is_sent_only_once_never_waits_for_a_flush) {
+TEST(Device, a_request_that_is_sent_only_once_never_waits_for_a_flush) {
     TimePoint now = start;
     LateFlushes host{start + 700ms};
     host.listen(now);
@@ -207,7 +207,7 @@ TEST(Device, what_is_sent_only_once_never_waits_for_a_flush) {
 }
 
 // Waiting only for the answer to the first try would take five seconds.
-TEST(Device, a_save_leaves_at_once_and_again_when_a_flush_is_allowed) {
+TEST(Device, sends_a_save_at_once_and_again_when_a_flush_is_allowed) {
     TimePoint now = start;
     LateFlushes host{start + 700ms};
     host.listen(now);
@@ -221,7 +221,7 @@ TEST(Device, a_save_leaves_at_once_and_again_when_a_flush_is_allowed) {
 
 // The command waits neither for a flush, nor for a place in the window, nor for an acknowledgement. A device that accepts one
 // frame at a time would lose it, and a command is sent once.
-TEST(Device, a_command_waits_for_answers_that_are_on_their_way_but_not_for_long) {
+TEST(Device, a_command_waits_only_briefly_for_outstanding_answers) {
     Host host;
     const Request command{0xC0, {1, 2, 3}, {.sends = 1, .wait = 2s}};
     host.ask_value(1);
@@ -248,7 +248,7 @@ TEST(Device, a_command_waits_for_answers_that_are_on_their_way_but_not_for_long)
     EXPECT_EQ(behind_silence[0][3], 0xC0);
 }
 
-TEST(Device, a_command_behind_another_request_leaves_at_once) {
+TEST(Device, sends_a_command_at_once_after_another_request) {
     TimePoint now = start;
     LateFlushes host{start};
     host.listen(now);
@@ -269,7 +269,7 @@ TEST(Device, a_command_behind_another_request_leaves_at_once) {
 }
 
 // This is how the description of a command is checked.
-TEST(Device, an_urgent_question_passes_all_but_commands_also_when_it_is_repeated) {
+TEST(Device, an_urgent_request_passes_all_except_commands_even_when_repeated) {
     Host host;
     for (std::uint16_t id = 0; id < 40; ++id) host.ask_value(id);
     ASSERT_FALSE(host.sent(start).empty());
@@ -289,7 +289,7 @@ TEST(Device, an_urgent_question_passes_all_but_commands_also_when_it_is_repeated
 }
 
 // For instance the question whether the command is still the same: the flush is left to the command.
-TEST(Device, a_command_behind_a_question_that_is_waited_for_briefly_leaves_at_once) {
+TEST(Device, sends_a_command_at_once_after_a_request_with_a_short_time_out) {
     TimePoint now = start;
     LateFlushes host{start};
     host.listen(now);
@@ -305,7 +305,7 @@ TEST(Device, a_command_behind_a_question_that_is_waited_for_briefly_leaves_at_on
     EXPECT_EQ(host.flushes, 1);
 }
 
-TEST(Device, a_command_behind_an_answered_one_leaves_at_once) {
+TEST(Device, sends_a_command_at_once_after_an_answered_command) {
     TimePoint now = start;
     LateFlushes host{start};
     host.listen(now);
@@ -320,7 +320,7 @@ TEST(Device, a_command_behind_an_answered_one_leaves_at_once) {
     EXPECT_EQ(host.flushes, 1);
 }
 
-TEST(Device, a_command_that_may_be_repeated_and_left_at_once_is_repeated_behind_the_flush) {
+TEST(Device, repeats_a_command_that_was_sent_at_once_after_the_flush) {
     TimePoint now = start;
     LateFlushes host{start};
     host.listen(now);
@@ -340,7 +340,7 @@ TEST(Device, a_command_that_may_be_repeated_and_left_at_once_is_repeated_behind_
 }
 
 // The other flush was after the request.
-TEST(Device, a_second_try_waits_once_for_a_flush_even_if_another_one_gets_it) {
+TEST(Device, a_second_try_waits_once_for_a_flush_even_if_another_request_uses_it) {
     TimePoint now = start;
     LateFlushes host{start + 310ms};
     host.listen(now);
@@ -352,7 +352,7 @@ TEST(Device, a_second_try_waits_once_for_a_flush_even_if_another_one_gets_it) {
     EXPECT_EQ(host.flushes, 0);
 }
 
-TEST(Device, a_repetition_waits_for_a_flush_no_longer_than_for_an_answer_and_that_is_not_counted) {
+TEST(Device, a_repetition_waits_for_a_flush_at_most_one_time_out_which_is_not_counted) {
     TimePoint now = start;
     LateFlushes host{start + 310ms};
     host.listen(now);
@@ -372,7 +372,7 @@ TEST(Device, a_repetition_waits_for_a_flush_no_longer_than_for_an_answer_and_tha
     EXPECT_GE(now - start, 6s + 110ms);
 }
 
-TEST(Device, a_frame_that_has_not_left_does_not_wait_for_an_answer) {
+TEST(Device, starts_the_time_out_of_a_frame_when_the_frame_has_left) {
     Host host;
     host.ask_value(5);
     host.sent(start);
@@ -424,7 +424,7 @@ std::size_t on_their_way_at_last(Duration each_way, Duration for_each, Duration 
 }
 
 // A client that may only view, and reads all parameters of a slow device, would delay a command to it.
-TEST(Device, a_question_that_yields_waits_for_others_no_longer_than_40_ms) {
+TEST(Device, a_yielding_request_waits_for_others_in_flight_at_most_40_ms) {
     EXPECT_EQ(on_their_way_at_last(1ms, 1ms), 8u);
     EXPECT_EQ(on_their_way_at_last(1ms, 5ms), 8u);
     EXPECT_EQ(on_their_way_at_last(1ms, 10ms), 5u);
@@ -435,7 +435,7 @@ TEST(Device, a_question_that_yields_waits_for_others_no_longer_than_40_ms) {
     EXPECT_GE(on_their_way_at_last(200ms, 1ms, 60ms), 6u) << "nor is an uneven one";
 }
 
-TEST(Device, writes_go_one_at_a_time_and_questions_pass_them) {
+TEST(Device, sends_writes_one_at_a_time_and_lets_read_requests_pass) {
     Host host;
     for (int i = 0; i < 20; ++i) {
         host.ask_value(9);
@@ -453,7 +453,7 @@ TEST(Device, writes_go_one_at_a_time_and_questions_pass_them) {
     EXPECT_EQ(host.sent(start + 2ms).size(), 1u);
 }
 
-TEST(Device, two_that_the_same_answer_would_end_go_one_after_the_other) {
+TEST(Device, sends_two_requests_with_the_same_answer_one_after_the_other) {
     Host host;
     host.ask_value(9);
     host.sent(start);
@@ -466,7 +466,7 @@ TEST(Device, two_that_the_same_answer_would_end_go_one_after_the_other) {
     EXPECT_EQ(host.value(7, start + 2ms), Taken::ended);
 }
 
-TEST(Device, tells_answers_apart) {
+TEST(Device, distinguishes_answers) {
     Host host;
     host.ask_value(5);
     host.sent(start);
@@ -493,7 +493,7 @@ TEST(Device, an_id_at_or_beyond_the_count_is_never_sent) {
     EXPECT_FALSE(fresh.ask(question::parameter_value(0, 0), host.listener)) << "the count is not known";
 }
 
-TEST(Device, what_waits_is_not_sent_when_the_count_has_become_smaller) {
+TEST(Device, does_not_send_a_waiting_request_beyond_a_reduced_count) {
     Host host;
     host.ask_value(5);
     host.ask_value(200);
@@ -505,7 +505,7 @@ TEST(Device, what_waits_is_not_sent_when_the_count_has_become_smaller) {
     EXPECT_EQ(host.listener.ends[1].outcome, Outcome::not_there);
 }
 
-TEST(Device, what_is_to_be_repeated_is_not_when_the_count_has_become_smaller) {
+TEST(Device, does_not_repeat_a_request_beyond_a_reduced_count) {
     Host host;
     host.ask_value(200);
     host.sent(start);
@@ -515,7 +515,7 @@ TEST(Device, what_is_to_be_repeated_is_not_when_the_count_has_become_smaller) {
     EXPECT_EQ(host.listener.ends[0].outcome, Outcome::not_there);
 }
 
-TEST(Device, one_that_was_silent_for_long_is_not_known_any_more) {
+TEST(Device, that_was_silent_for_30_s_loses_its_stored_device_info) {
     Host host;
     host.take(0xE3, {0xDC, 1, 0, 2, 0, 3, 0, 4, 0, 'f', 'c'}, start);
     ASSERT_TRUE(host.device.info());
@@ -529,7 +529,7 @@ TEST(Device, one_that_was_silent_for_long_is_not_known_any_more) {
     EXPECT_NE(host.device.presence(), presence);
 }
 
-TEST(Device, one_that_says_otherwise_is_another_one) {
+TEST(Device, with_changed_device_info_is_another_device) {
     Host host;
     host.device.expect_info(start);
     host.take(0xE3, {0xDC, 1, 0, 2, 0, 3, 0, 4, 0, 'f', 'c'}, start);
@@ -543,7 +543,7 @@ TEST(Device, one_that_says_otherwise_is_another_one) {
     EXPECT_FALSE(host.device.parameter_count());
 }
 
-TEST(Device, one_that_announces_itself_may_be_another_one) {
+TEST(Device, with_unrequested_device_info_may_be_another_device) {
     Host host;
     host.device.expect_info(start);
     host.take(0xE3, {0xDC, 1, 0, 2, 0, 3, 0, 4, 0, 'f', 'c'}, start);
@@ -557,7 +557,7 @@ TEST(Device, one_that_announces_itself_may_be_another_one) {
 
 const Bytes info_of_fc{0xDC, 1, 0, 2, 0, 3, 0, 4, 0, 'f', 'c'};
 
-TEST(Device, each_question_for_its_info_has_one_answer) {
+TEST(Device, each_expected_device_info_matches_one_answer) {
     Host host;
     host.device.expect_info(start);
     host.device.expect_info(start + 200ms);    // repeated
@@ -573,7 +573,7 @@ TEST(Device, each_question_for_its_info_has_one_answer) {
     EXPECT_EQ(host.device.announcements(), 2u) << "too late for an answer";
 }
 
-TEST(Device, a_question_of_its_own_counts_once) {
+TEST(Device, a_device_info_request_that_it_sends_matches_one_answer) {
     Host host;
     ASSERT_TRUE(host.device.ask(question::device_info(0), host.listener));
     EXPECT_EQ(host.sent(start).size(), 1u);
@@ -583,7 +583,7 @@ TEST(Device, a_question_of_its_own_counts_once) {
     EXPECT_EQ(host.device.announcements(), 1u);
 }
 
-TEST(Device, an_action_waits_five_seconds_and_says_nothing_about_the_round_trip) {
+TEST(Device, an_action_waits_five_seconds_and_is_not_measured_as_a_round_trip) {
     Host host;
     ASSERT_TRUE(host.device.ask(action(Action::save), host.listener));
     const auto sent = host.sent(start);
@@ -592,7 +592,7 @@ TEST(Device, an_action_waits_five_seconds_and_says_nothing_about_the_round_trip)
     EXPECT_FALSE(host.device.round_trip().smoothed());
 }
 
-TEST(Device, an_asker_may_ask_again_when_it_is_told) {
+TEST(Device, accepts_a_new_request_while_it_reports_the_end_of_the_previous_one) {
     struct Chain final : Asker {
         Device* device = nullptr;
         int left = 3;

@@ -14,13 +14,13 @@ using namespace std::chrono_literals;
 using support::Bytes;
 using support::operator+;
 
-TEST(RoundTrip, before_the_first_answer_it_is_300_ms) {
+TEST(RoundTrip, starts_with_a_time_out_of_200_ms_before_the_first_answer) {
     RoundTrip trip;
     EXPECT_EQ(trip.time_out(), 200ms);
     EXPECT_FALSE(trip.smoothed());
 }
 
-TEST(RoundTrip, follows_what_is_measured_as_rfc_6298_says) {
+TEST(RoundTrip, follows_the_measurements_according_to_rfc_6298) {
     RoundTrip trip;
     trip.answered(100ms, false);
     EXPECT_EQ(trip.smoothed(), 100ms);
@@ -30,7 +30,7 @@ TEST(RoundTrip, follows_what_is_measured_as_rfc_6298_says) {
     EXPECT_EQ(trip.time_out(), 110ms + 230ms);    // variation 50 + (80 - 50)/4
 }
 
-TEST(RoundTrip, is_never_below_30_ms_nor_above_2_s) {
+TEST(RoundTrip, limits_the_time_out_to_30_ms_to_2_s) {
     RoundTrip fast;
     for (int i = 0; i < 100; ++i) fast.answered(1ms, false);
     EXPECT_EQ(fast.time_out(), 30ms);
@@ -39,13 +39,13 @@ TEST(RoundTrip, is_never_below_30_ms_nor_above_2_s) {
     EXPECT_EQ(slow.time_out(), 2s);
 }
 
-TEST(RoundTrip, an_even_one_leaves_room_for_an_adapter_that_gathers) {
+TEST(RoundTrip, keeps_a_margin_for_adapters_that_collect_bytes_when_all_round_trips_are_equal) {
     RoundTrip trip;
     for (int i = 0; i < 100; ++i) trip.answered(200ms, false);
     EXPECT_EQ(trip.time_out(), 220ms);
 }
 
-TEST(RoundTrip, before_the_first_answer_it_doubles_with_each_loss_up_to_2_s) {
+TEST(RoundTrip, doubles_the_time_out_with_each_loss_up_to_2_s_before_the_first_answer) {
     RoundTrip trip;
     EXPECT_EQ(trip.time_out_after(0, false), 200ms);
     EXPECT_EQ(trip.time_out_after(1, false), 400ms);
@@ -55,7 +55,7 @@ TEST(RoundTrip, before_the_first_answer_it_doubles_with_each_loss_up_to_2_s) {
 }
 
 // After a list that filled the line, a single answer takes less time than those of the list.
-TEST(RoundTrip, of_a_request_by_itself_it_follows_the_least) {
+TEST(RoundTrip, uses_the_shortest_round_trip_for_a_single_request) {
     RoundTrip trip;
     trip.answered(20ms, false);
     for (int i = 0; i < 50; ++i) trip.answered(600ms, false);
@@ -66,7 +66,7 @@ TEST(RoundTrip, of_a_request_by_itself_it_follows_the_least) {
     EXPECT_EQ(slow.time_out_after(0, false, true), slow.time_out());
 }
 
-TEST(RoundTrip, random_losses_do_not_double_it) {
+TEST(RoundTrip, does_not_double_the_time_out_after_random_losses) {
     RoundTrip trip;
     for (int i = 0; i < 20; ++i) trip.answered(2ms, false);
     EXPECT_FALSE(trip.grows());
@@ -74,7 +74,7 @@ TEST(RoundTrip, random_losses_do_not_double_it) {
     EXPECT_EQ(trip.time_out_after(5, true), 120ms) << "this one has other reasons";
 }
 
-TEST(RoundTrip, a_device_that_answers_nothing_is_asked_at_four_times_the_interval_at_most) {
+TEST(RoundTrip, multiplies_the_interval_by_at_most_four_for_a_device_that_does_not_answer) {
     RoundTrip trip;
     for (int i = 0; i < 20; ++i) trip.answered(2ms, false);
     EXPECT_EQ(trip.time_out_after(1, false), 60ms);
@@ -82,7 +82,7 @@ TEST(RoundTrip, a_device_that_answers_nothing_is_asked_at_four_times_the_interva
     EXPECT_EQ(trip.time_out_after(9, false), 120ms);
 }
 
-TEST(RoundTrip, doubles_while_round_trips_grow) {
+TEST(RoundTrip, doubles_the_time_out_while_round_trips_grow) {
     RoundTrip trip;
     trip.answered(10ms, false);
     for (int i = 0; i < 100; ++i) trip.answered(100ms, false);
@@ -91,7 +91,7 @@ TEST(RoundTrip, doubles_while_round_trips_grow) {
     EXPECT_EQ(trip.time_out_after(9, true), 2s);
 }
 
-TEST(RoundTrip, a_repeated_exchange_counts_only_when_all_are_repeated_and_an_answer_came_twice) {
+TEST(RoundTrip, counts_a_repeated_exchange_only_if_all_are_repeated_and_an_answer_arrived_twice) {
     RoundTrip trip;
     for (int i = 0; i < 9; ++i) trip.answered(1200ms, true);
     EXPECT_FALSE(trip.smoothed()) << "frames are lost";
@@ -106,7 +106,7 @@ TEST(RoundTrip, a_repeated_exchange_counts_only_when_all_are_repeated_and_an_ans
     EXPECT_EQ(trip.smoothed(), 1200ms);
 }
 
-TEST(Window, opens_by_one_for_each_answer_to_eight) {
+TEST(Window, opens_by_one_for_each_answer_up_to_eight) {
     Window window;
     EXPECT_EQ(window.size(), 1u);
     for (std::size_t n = 2; n <= 8; ++n) {
@@ -140,7 +140,7 @@ TEST(Window, stays_open_where_one_in_five_is_lost) {
     EXPECT_EQ(window.size(), 8u);
 }
 
-TEST(Window, is_one_at_a_time_when_most_are_lost_though_round_trips_do_not_grow) {
+TEST(Window, shrinks_to_one_when_most_requests_are_lost_though_round_trips_do_not_grow) {
     Window window;
     for (int i = 0; i < 16; ++i) window.answered(false);
     for (int i = 0; i < 9; ++i) window.lost(false, false);
@@ -152,7 +152,7 @@ TEST(Window, is_one_at_a_time_when_most_are_lost_though_round_trips_do_not_grow)
 }
 
 // At first a burst of interference looks the same.
-TEST(Window, opens_again_when_two_at_a_time_are_not_lost_either) {
+TEST(Window, opens_again_when_two_requests_at_a_time_are_answered) {
     Window window;
     for (int i = 0; i < 16; ++i) window.answered(false);
     for (int i = 0; i < 9; ++i) window.lost(false, false);
@@ -173,7 +173,7 @@ TEST(Window, opens_again_when_two_at_a_time_are_not_lost_either) {
     EXPECT_EQ(window.size(), 3u);
 }
 
-TEST(Window, opens_again_when_answers_that_were_counted_as_lost_come_late) {
+TEST(Window, opens_again_when_answers_that_were_counted_as_lost_arrive_late) {
     Window window;
     for (int i = 0; i < 16; ++i) window.answered(false);
     for (int i = 0; i < 9; ++i) window.lost(false, false);
@@ -189,7 +189,7 @@ TEST(Window, opens_again_when_answers_that_were_counted_as_lost_come_late) {
     EXPECT_EQ(window.size(), 2u) << "none of them was lost";
 }
 
-TEST(Window, opens_again_when_requests_that_are_alone_are_lost_too) {
+TEST(Window, opens_again_when_single_requests_are_lost_too) {
     Window window;
     for (int i = 0; i < 16; ++i) window.answered(false);
     const auto lose_most = [&] {
@@ -223,7 +223,7 @@ struct Asked {
     }
 };
 
-TEST(Expectation, writes_commands_and_actions_end_with_their_own_check_bytes) {
+TEST(Expectation, accepts_only_the_matching_check_bytes_for_writes_commands_and_actions) {
     for (const auto& [id, data] : {std::pair{0xE1, Bytes{5, 0, 7}}, std::pair{0xC0, Bytes{1, 2, 3}},
                                    std::pair{0xE0, Bytes{0x10, 0xAB, 0}}, std::pair{0x61, Bytes(22)}}) {
         const Asked asked{static_cast<std::uint8_t>(id), data};
@@ -241,7 +241,7 @@ TEST(Expectation, writes_commands_and_actions_end_with_their_own_check_bytes) {
     }
 }
 
-TEST(Expectation, a_question_ends_with_the_answer_that_fits) {
+TEST(Expectation, accepts_only_the_matching_answer_to_a_request) {
     EXPECT_TRUE(Asked(0xE0, {0, 0, 0}).met_by(0xDC, 0xFE, 0xE3, {0xDC, 1, 0, 1, 0, 1, 0, 1, 0, 'x'}));
     EXPECT_TRUE(Asked(0xE0, {1, 0, 0}).met_by(0xDC, 0xFE, 0xE0, {1, 44, 1}));
     EXPECT_FALSE(Asked(0xE0, {1, 0, 0}).met_by(0xDC, 0xFE, 0xE0, {2, 44, 1}));
@@ -258,17 +258,17 @@ TEST(Expectation, a_question_ends_with_the_answer_that_fits) {
     EXPECT_FALSE(Asked(0xE0, {2, 5, 1}).expects->is_alone());
 }
 
-TEST(Expectation, a_description_of_an_old_device_fits_as_well) {
+TEST(Expectation, accepts_a_description_of_an_old_device) {
     const Bytes old = Bytes{5, 1, 0xF6, 0xFF, 0xFF, 0xFF, 100, 0, 0, 0} + Bytes{'N'} + Bytes(19) + Bytes{'i'};
     EXPECT_TRUE(Asked(0xE0, {3, 5, 1}).met_by(0xDC, 0xFE, 0xE2, old));
 }
 
-TEST(Expectation, behind_a_port_id_is_whoever_answers) {
+TEST(Expectation, accepts_an_answer_of_any_device_to_a_request_for_a_port_id) {
     EXPECT_TRUE(Asked(0xE0, {1, 0, 0}, 3).met_by(0xDC, 0xFE, 0xE0, {1, 44, 1}));
     EXPECT_FALSE(Asked(0xE0, {1, 0, 0}, 3).met_by(0xFE, 0xFE, 0xE0, {1, 44, 1})) << "a host";
 }
 
-TEST(Expectation, each_step_of_an_upgrade_has_its_own_answers) {
+TEST(Expectation, accepts_different_answers_for_each_step_of_an_upgrade) {
     const Bytes info = Bytes{1} + Bytes(19);
     EXPECT_TRUE(Asked(0xF0, info).met_by(0xDC, 0xFE, 0xF0, {0, 0x02, 0x01}));
     EXPECT_TRUE(Asked(0xF0, info).met_by(0xDC, 0xFE, 0xF0, {0, 0x01, 0x01}));
@@ -280,7 +280,7 @@ TEST(Expectation, each_step_of_an_upgrade_has_its_own_answers) {
     EXPECT_TRUE(Asked(0xF0, {0, 0x10, 0x10}).expects->is_alone());
 }
 
-TEST(Expectation, nothing_ends_a_stream) {
+TEST(Expectation, does_not_exist_for_frames_without_an_answer) {
     EXPECT_FALSE(Asked(0x40, Bytes(20)).expects);
     EXPECT_FALSE(Asked(0xE0, {9, 0, 0}).expects);
     EXPECT_FALSE(Asked(0xF1, Bytes(8)).expects);

@@ -39,7 +39,7 @@ Bytes all_of(const FirmwareBytes& bytes) {
     return all;
 }
 
-TEST(FirmwareFile, a_large_file_is_read_in_pieces_and_its_crc_is_that_of_the_whole) {
+TEST(FirmwareFile, a_large_file_is_read_in_pieces_and_its_crc_covers_the_whole_file) {
     Bytes file = bytes_of(100'001);
     std::size_t largest = 0;
     const FirmwareBytes pieces{file.size(), [&](std::size_t at, std::span<std::uint8_t> into) {
@@ -69,7 +69,7 @@ TEST(FirmwareFile, a_bia_is_read_by_its_header) {
     EXPECT_TRUE(read.image->misfit({0xDC, 89, 0, 0, 0, ""}));
 }
 
-TEST(FirmwareFile, a_bin_is_its_image_for_any_hardware) {
+TEST(FirmwareFile, a_bin_is_an_image_for_any_hardware) {
     const auto read = read_firmware(bytes_of(500), *find_crc16("crc16/xmodem"));
     ASSERT_TRUE(read.image);
     EXPECT_EQ(read.image->crc, crc16_of(bytes_of(500), *find_crc16("crc16/xmodem")));
@@ -77,7 +77,7 @@ TEST(FirmwareFile, a_bin_is_its_image_for_any_hardware) {
     EXPECT_FALSE(read.image->misfit({0xDD, 1, 0, 0, 0, ""}));
 }
 
-TEST(FirmwareFile, what_is_none_says_why) {
+TEST(FirmwareFile, an_invalid_file_is_rejected_with_the_reason) {
     EXPECT_EQ(read_firmware({}).wrong, "the file is empty");
     Bytes cut = bia(bytes_of(10), 0xDC, 1, 2);
     cut.resize(100);
@@ -111,7 +111,7 @@ struct Upgrade : testing::Test {
     Duration took{};
 };
 
-TEST_F(Upgrade, writes_the_image_and_is_done_after_the_devices_check) {
+TEST_F(Upgrade, writes_the_image_and_succeeds_after_the_check_of_the_device) {
     const auto task = run();
     EXPECT_EQ(task->end()->ending, Ending::done) << task->end()->what;
     EXPECT_EQ(loader.flash, bytes_of(3000));
@@ -141,7 +141,7 @@ TEST_F(Upgrade, writes_the_image_and_is_done_after_the_devices_check) {
                                   0x12}));
 }
 
-TEST_F(Upgrade, tells_its_rate_and_the_time_left) {
+TEST_F(Upgrade, reports_its_rate_and_the_time_left) {
     Firmware task{device, image};
     bool told = false;
     simulation.each_step = [&](TimePoint now) {
@@ -158,7 +158,7 @@ TEST_F(Upgrade, tells_its_rate_and_the_time_left) {
     EXPECT_TRUE(told);
 }
 
-TEST_F(Upgrade, comes_whole_over_a_line_that_loses_doubles_and_reorders) {
+TEST_F(Upgrade, succeeds_over_a_line_that_loses_duplicates_and_reorders_frames) {
     for (std::uint64_t seed = 1; seed <= 20; ++seed) {
         loader = {};
         Device other{0xDC};
@@ -173,7 +173,7 @@ TEST_F(Upgrade, comes_whole_over_a_line_that_loses_doubles_and_reorders) {
     }
 }
 
-TEST_F(Upgrade, refused_before_anything_was_changed) {
+TEST_F(Upgrade, ends_before_any_change_if_the_device_refuses_the_image) {
     loader.refuses = true;
     const auto task = run();
     EXPECT_EQ(task->end()->ending, Ending::refused);
@@ -181,7 +181,7 @@ TEST_F(Upgrade, refused_before_anything_was_changed) {
     EXPECT_EQ(loader.erases, 0u);
 }
 
-TEST_F(Upgrade, an_erase_has_a_minute_before_it_is_sent_again) {
+TEST_F(Upgrade, repeats_an_erase_only_after_a_minute) {
     loader.erases_silently = true;
     const auto task = run();
     EXPECT_EQ(task->end()->ending, Ending::timeout);
@@ -191,7 +191,7 @@ TEST_F(Upgrade, an_erase_has_a_minute_before_it_is_sent_again) {
     EXPECT_LT(took, 250s);
 }
 
-TEST_F(Upgrade, an_erase_that_failed_has_its_own_word) {
+TEST_F(Upgrade, reports_a_failed_erase) {
     loader.cannot_erase = true;
     const auto task = run();
     EXPECT_EQ(task->end()->ending, Ending::failed);
@@ -206,14 +206,14 @@ TEST_F(Upgrade, a_frame_that_failed_is_sent_again_and_counted) {
     EXPECT_EQ(loader.flash, bytes_of(3000));
 }
 
-TEST_F(Upgrade, failures_are_counted_for_each_frame_anew) {
+TEST_F(Upgrade, counts_failures_for_each_frame_separately) {
     loader.fails_every_frame_once = true;
     const auto task = run();
     EXPECT_EQ(task->end()->ending, Ending::done);
     EXPECT_EQ(task->repeats(), 16u);
 }
 
-TEST_F(Upgrade, a_frame_that_always_fails_ends_it) {
+TEST_F(Upgrade, ends_when_a_frame_always_fails) {
     loader.fails_frame_7 = 100;
     const auto task = run();
     EXPECT_EQ(task->end()->ending, Ending::failed);
@@ -221,7 +221,7 @@ TEST_F(Upgrade, a_frame_that_always_fails_ends_it) {
     EXPECT_TRUE(task->is_left_in_loader());
 }
 
-TEST_F(Upgrade, silence_in_the_middle_ends_it_within_its_bound) {
+TEST_F(Upgrade, ends_within_its_time_limit_when_the_device_becomes_silent_in_the_middle) {
     loader.dies_at = 9;
     const auto task = run();
     EXPECT_EQ(task->end()->ending, Ending::timeout);
@@ -231,7 +231,7 @@ TEST_F(Upgrade, silence_in_the_middle_ends_it_within_its_bound) {
     EXPECT_EQ(loader.infos, 2u) << "it may have lost the upgrade: begun again once";
 }
 
-TEST_F(Upgrade, all_sent_is_waited_for_half_a_minute) {
+TEST_F(Upgrade, waits_half_a_minute_for_the_check_of_the_device_after_the_last_frame) {
     loader.checks_silently = true;
     const auto task = run();
     EXPECT_EQ(task->end()->ending, Ending::timeout);
@@ -245,7 +245,7 @@ TEST_F(Upgrade, all_sent_is_waited_for_half_a_minute) {
 }
 
 // It receives the info, and restarts into its loader without an answer.
-TEST_F(Upgrade, a_device_that_restarts_into_its_loader_gets_the_info_again) {
+TEST_F(Upgrade, sends_the_info_again_to_a_device_that_restarts_into_its_boot_loader) {
     for (const Duration restart : {Duration{800ms}, Duration{2500ms}, Duration{25s}}) {
         loader = {};
         std::optional<TimePoint> back_at;
@@ -262,7 +262,7 @@ TEST_F(Upgrade, a_device_that_restarts_into_its_loader_gets_the_info_again) {
 }
 
 // It answers questions both before it is in its loader and in it.
-TEST_F(Upgrade, a_device_that_answers_questions_before_and_after_its_restart_gets_the_info_again) {
+TEST_F(Upgrade, sends_the_info_again_to_a_device_that_answers_requests_before_and_after_its_restart) {
     for (const Duration begins : {0ms, 300ms, 900ms, 1200ms, 1900ms}) {
         loader = {};
         std::optional<TimePoint> asked_at;
@@ -280,7 +280,7 @@ TEST_F(Upgrade, a_device_that_answers_questions_before_and_after_its_restart_get
     }
 }
 
-TEST_F(Upgrade, of_a_device_that_answers_everything_but_an_info_ends_within_five_seconds) {
+TEST_F(Upgrade, of_a_device_that_answers_everything_except_an_info_ends_within_five_seconds) {
     for (const bool forced : {false, true}) {
         FirmwareOptions options;
         options.force = forced;
@@ -296,7 +296,7 @@ TEST_F(Upgrade, of_a_device_that_answers_everything_but_an_info_ends_within_five
     }
 }
 
-TEST_F(Upgrade, an_info_without_an_answer_of_a_silent_device_ends_it_after_half_a_minute) {
+TEST_F(Upgrade, ends_after_half_a_minute_if_the_device_is_silent_after_the_info) {
     fake.instead = [&, is_silent = false](FrameView f) mutable -> std::optional<std::vector<Bytes>> {
         is_silent = is_silent || f.id() == 0xF0;
         return is_silent ? std::optional{std::vector<Bytes>{}} : std::nullopt;
@@ -309,7 +309,7 @@ TEST_F(Upgrade, an_info_without_an_answer_of_a_silent_device_ends_it_after_half_
     EXPECT_LT(took, Firmware::patience + 5s);
 }
 
-TEST_F(Upgrade, an_image_that_the_device_finds_damaged_is_no_success) {
+TEST_F(Upgrade, fails_if_the_image_does_not_pass_the_check_of_the_device) {
     image.crc ^= 1;
     const auto task = run();
     EXPECT_EQ(task->end()->ending, Ending::failed);
@@ -317,7 +317,7 @@ TEST_F(Upgrade, an_image_that_the_device_finds_damaged_is_no_success) {
 }
 
 // The two sums of a frame do not detect every error.
-TEST_F(Upgrade, an_image_that_noise_has_damaged_is_sent_again_in_the_shortest_frames) {
+TEST_F(Upgrade, sends_an_image_damaged_by_noise_again_in_the_shortest_frames) {
     for (const std::size_t damaged : {std::size_t{1}, std::size_t{2}, std::size_t{99}}) {
         loader = {};
         std::size_t lost = 0;
@@ -342,7 +342,7 @@ TEST_F(Upgrade, an_image_that_noise_has_damaged_is_sent_again_in_the_shortest_fr
     }
 }
 
-TEST_F(Upgrade, an_image_that_noise_has_damaged_is_sent_again_also_to_a_loader_that_refuses_another_info) {
+TEST_F(Upgrade, sends_an_image_damaged_by_noise_again_even_if_the_loader_rejects_another_info) {
     loader.second_info = FakeLoader::SecondInfo::refuses;
     std::size_t lost = 0;
     fake.instead = [&](FrameView f) -> std::optional<std::vector<Bytes>> {
@@ -357,7 +357,7 @@ TEST_F(Upgrade, an_image_that_noise_has_damaged_is_sent_again_also_to_a_loader_t
     EXPECT_EQ(loader.erases, 2u);
 }
 
-TEST_F(Upgrade, an_info_whose_acceptance_was_lost_is_erased_for) {
+TEST_F(Upgrade, erases_although_the_acceptance_of_the_info_was_lost) {
     for (const bool reads_codes : {false, true}) {
         loader = {};
         loader.reads_codes = reads_codes;
@@ -388,7 +388,7 @@ TEST_F(Upgrade, an_info_whose_acceptance_was_lost_is_erased_for) {
 }
 
 // The image does not state its hardware, so the device may really refuse it.
-TEST_F(Upgrade, an_info_whose_acceptance_was_lost_is_not_erased_for_when_nothing_says_that_the_image_fits) {
+TEST_F(Upgrade, does_not_erase_after_a_lost_acceptance_if_the_image_is_not_known_to_fit) {
     const auto ends_refused = [&](FirmwareOptions options) {
         loader = {};
         fake.instead = [&](FrameView f) -> std::optional<std::vector<Bytes>> {
@@ -416,7 +416,7 @@ TEST_F(Upgrade, an_info_whose_acceptance_was_lost_is_not_erased_for_when_nothing
     ends_refused({});
 }
 
-TEST_F(Upgrade, an_erase_whose_answer_was_lost_is_sent_again_soon_where_the_device_is_heard) {
+TEST_F(Upgrade, repeats_an_erase_with_a_lost_answer_soon_if_the_device_sends_other_frames) {
     fake.instead = [&](FrameView f) -> std::optional<std::vector<Bytes>> {
         auto answers = loader.take(fake, f);
         return loader.erases == 1 && loader.frames == 0 ? std::optional{std::vector<Bytes>{}} : answers;
@@ -438,7 +438,7 @@ TEST_F(Upgrade, an_image_for_other_hardware_is_never_sent_unless_forced) {
     EXPECT_EQ(run({.force = true})->end()->ending, Ending::done);
 }
 
-TEST_F(Upgrade, a_device_that_does_not_say_who_it_is_needs_what_it_said_before) {
+TEST_F(Upgrade, of_a_device_without_device_info_requires_stored_info_or_force) {
     fake.instead = [&](FrameView f) -> std::optional<std::vector<Bytes>> {
         if (f.id() == 0xE0) return std::vector<Bytes>{};
         return loader.take(fake, f);
@@ -449,7 +449,7 @@ TEST_F(Upgrade, a_device_that_does_not_say_who_it_is_needs_what_it_said_before) 
     EXPECT_EQ(run({.force = true})->end()->ending, Ending::done);
 }
 
-TEST_F(Upgrade, cancelled_it_says_what_is_half_done) {
+TEST_F(Upgrade, reports_the_unfinished_state_when_cancelled) {
     Firmware task{device, image};
     simulation.each_step = [&](TimePoint now) {
         if (task.progress().done > 0) task.cancel(now);
@@ -472,7 +472,7 @@ TEST_F(Upgrade, a_file_that_can_no_longer_be_read_leaves_the_device_in_its_loade
     EXPECT_TRUE(task->is_left_in_loader());
 }
 
-TEST_F(Upgrade, more_frames_than_there_are_numbers_are_invalid) {
+TEST_F(Upgrade, rejects_an_image_with_more_frames_than_frame_numbers) {
     image.bytes = Bytes(0x10001);
     EXPECT_EQ(run({.frame_len = 1})->end()->ending, Ending::invalid);
     image.bytes = {};
@@ -480,7 +480,7 @@ TEST_F(Upgrade, more_frames_than_there_are_numbers_are_invalid) {
 }
 
 // Devices in the field send and expect codes high byte first.
-TEST_F(Upgrade, codes_are_sent_in_the_order_in_which_the_device_sends_them) {
+TEST_F(Upgrade, sends_codes_in_the_byte_order_of_the_device) {
     loader.reads_codes = true;
     loader.fails_frame_7 = 4;
     const auto task = run();
@@ -492,7 +492,7 @@ TEST_F(Upgrade, codes_are_sent_in_the_order_in_which_the_device_sends_them) {
     EXPECT_EQ(run()->end()->ending, Ending::done) << "the order is of one upgrade";
 }
 
-TEST_F(Upgrade, failures_are_understood_in_both_orders) {
+TEST_F(Upgrade, recognizes_failures_in_both_byte_orders) {
     for (const bool reads : {false, true}) {
         loader = {};
         loader.reads_codes = reads;
@@ -510,7 +510,7 @@ TEST_F(Upgrade, failures_are_understood_in_both_orders) {
     }
 }
 
-TEST_F(Upgrade, an_answer_that_is_none_is_shown_as_it_came) {
+TEST_F(Upgrade, shows_the_bytes_of_an_invalid_answer) {
     loader.says_instead = 0x0307;
     const auto task = run();
     EXPECT_EQ(task->end()->ending, Ending::timeout);
@@ -519,7 +519,7 @@ TEST_F(Upgrade, an_answer_that_is_none_is_shown_as_it_came) {
 }
 
 // The wait for "erased" is up to a minute.
-TEST_F(Upgrade, an_odd_reply_to_the_erase_is_told_while_it_waits) {
+TEST_F(Upgrade, reports_an_invalid_answer_to_the_erase_while_it_waits) {
     fake.instead = [&](FrameView f) -> std::optional<std::vector<Bytes>> {
         if (f.id() == 0xF0 && f.data()[0] == 0) return std::vector<Bytes>{fake.to_host(f, 0xF0, {0x00, 0x77, 0x12})};
         return loader.take(fake, f);
@@ -551,7 +551,7 @@ struct Noise : Upgrade {
     Noise() { image = *read_firmware(bia(bytes_of(20'000), 0xDC, 90, 110)).image; }
 };
 
-TEST_F(Noise, frames_become_shorter_where_the_loader_accepts_another_info) {
+TEST_F(Noise, shortens_the_frames_if_the_loader_accepts_another_info) {
     for (std::uint64_t seed = 1; seed <= 30; ++seed) {
         loader = {};
         const auto result = run_in_noise(seed);
@@ -563,7 +563,7 @@ TEST_F(Noise, frames_become_shorter_where_the_loader_accepts_another_info) {
     }
 }
 
-TEST_F(Noise, frames_are_repeated_until_they_are_written_where_it_does_not) {
+TEST_F(Noise, repeats_the_frames_until_they_are_written_if_the_loader_accepts_no_other_info) {
     for (const auto second : {FakeLoader::SecondInfo::ignores, FakeLoader::SecondInfo::refuses})
         for (std::uint64_t seed = 1; seed <= 30; ++seed) {
             loader = {};
@@ -598,7 +598,7 @@ struct LostConnection : Upgrade {
     }
 };
 
-TEST_F(LostConnection, of_a_minute_the_upgrade_goes_on_behind_the_last_frame) {
+TEST_F(LostConnection, of_a_minute_does_not_restart_the_upgrade_which_continues_after_the_last_frame) {
     const auto task = run_cut_for(60s);
     EXPECT_EQ(task->end()->ending, Ending::done) << task->end()->what;
     EXPECT_EQ(loader.flash, bytes_of(3000));
@@ -608,7 +608,7 @@ TEST_F(LostConnection, of_a_minute_the_upgrade_goes_on_behind_the_last_frame) {
     EXPECT_LT(took, 64s);
 }
 
-TEST_F(LostConnection, a_loader_that_lost_the_upgrade_gets_it_from_the_beginning) {
+TEST_F(LostConnection, restarts_the_upgrade_from_the_beginning_if_the_loader_lost_it) {
     for (const bool fails : {true, false}) {
         loader = {};
         loader.fails_when_lost = fails;
@@ -621,7 +621,7 @@ TEST_F(LostConnection, a_loader_that_lost_the_upgrade_gets_it_from_the_beginning
     }
 }
 
-TEST_F(LostConnection, for_ever_ends_it) {
+TEST_F(LostConnection, without_a_return_ends_the_upgrade) {
     const auto task = run_cut_for(1h);
     EXPECT_EQ(task->end()->ending, Ending::timeout);
     EXPECT_EQ(task->end()->what, "0xDC stopped answering: sending; it is left in its boot loader; start again");

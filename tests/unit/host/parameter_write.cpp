@@ -46,7 +46,7 @@ struct Writes : testing::Test {
     std::optional<std::vector<Bytes>> nothing() const { return std::vector<Bytes>{}; }
 };
 
-TEST_F(Writes, what_is_written_is_read_back) {
+TEST_F(Writes, read_the_written_value_back) {
     const auto task = write(info(3), std::int64_t{-300});
     EXPECT_EQ(task->end()->ending, Ending::done);
     EXPECT_EQ(task->before(), AnyValue{std::int64_t{1}});
@@ -76,13 +76,13 @@ TEST_F(Writes, a_value_beyond_the_stated_range_is_refused_unless_it_is_allowed) 
     EXPECT_EQ(write(stateless, std::int64_t{50})->end()->ending, Ending::done);
 }
 
-TEST_F(Writes, a_number_that_f32_has_not_exactly_is_no_clamping) {
+TEST_F(Writes, do_not_report_rounding_to_f32_as_clamping) {
     const auto task = write(info(1), 0.1);
     EXPECT_EQ(task->end()->ending, Ending::done);
     EXPECT_FALSE(task->is_clamped());
 }
 
-TEST_F(Writes, a_scaled_value_is_multiplied_and_must_be_a_multiple) {
+TEST_F(Writes, multiply_a_scaled_value_and_reject_one_that_is_not_a_multiple) {
     fake.scaled = true;
     fake.parameters = {{0, "P", "", {0xE8, 3, 0, 0}}};
     ParameterInfo p{0, Type::i32, "P", "", ParameterInfo::Limits{-10, 100}, ParameterLayout::scaled, 1000};
@@ -116,7 +116,7 @@ TEST_F(Writes, a_number_is_never_written_in_another_length_than_the_device_sends
     EXPECT_EQ(fake.parameters[0].value, (Bytes{0xB2, 0xC0, 0x81, 0}));
 }
 
-TEST_F(Writes, a_clamped_value_is_a_success_that_says_so) {
+TEST_F(Writes, report_a_clamped_value_as_a_success) {
     fake.parameters[0].store = [](const Bytes&) { return Bytes{100}; };
     const auto task = write(info(0), std::int64_t{200});
     EXPECT_EQ(task->end()->ending, Ending::done);
@@ -125,19 +125,19 @@ TEST_F(Writes, a_clamped_value_is_a_success_that_says_so) {
     EXPECT_EQ(task->end()->what, "U8 is 100: the device limited it");
 }
 
-TEST_F(Writes, a_device_that_acknowledges_and_stores_nothing_refuses) {
+TEST_F(Writes, are_refused_if_the_device_acknowledges_but_stores_nothing) {
     fake.parameters[0].store = [](const Bytes&) { return Bytes{7}; };
     const auto task = write(info(0), std::int64_t{200});
     EXPECT_EQ(task->end()->ending, Ending::refused);
     EXPECT_EQ(task->end()->what, "0xDC keeps U8 at 7");
 }
 
-TEST_F(Writes, silence_on_the_read_back_is_refused) {
+TEST_F(Writes, are_refused_if_the_device_does_not_answer_the_read_back) {
     fake.instead = [&](FrameView f) { return writes() > 0 && f.id() == 0xE0 ? nothing() : std::nullopt; };
     EXPECT_EQ(write(info(0), std::int64_t{200})->end()->ending, Ending::refused);
 }
 
-TEST_F(Writes, a_late_answer_of_before_is_not_taken_for_what_is_stored) {
+TEST_F(Writes, ignore_a_late_answer_from_before_the_write) {
     bool old_once = true;
     fake.instead = [&](FrameView f) -> std::optional<std::vector<Bytes>> {
         if (f.id() != 0xE0 || writes() == 0 || !std::exchange(old_once, false)) return std::nullopt;
@@ -148,14 +148,14 @@ TEST_F(Writes, a_late_answer_of_before_is_not_taken_for_what_is_stored) {
     EXPECT_FALSE(task->is_clamped());
 }
 
-TEST_F(Writes, a_write_without_acknowledgement_times_out_with_the_evidence) {
+TEST_F(Writes, time_out_without_an_acknowledgement_and_report_the_number_of_tries) {
     fake.instead = [&](FrameView f) { return f.id() == 0xE1 ? nothing() : std::nullopt; };
     const auto task = write(info(0), std::int64_t{200});
     EXPECT_EQ(task->end()->ending, Ending::timeout);
     EXPECT_GE(task->end()->evidence.sent, 5u);
 }
 
-TEST_F(Writes, anothers_check_bytes_are_no_acknowledgement) {
+TEST_F(Writes, do_not_accept_wrong_check_bytes_as_an_acknowledgement) {
     fake.instead = [&](FrameView f) -> std::optional<std::vector<Bytes>> {
         if (f.id() != 0xE1) return std::nullopt;
         return std::vector<Bytes>{fake.to_host(f, 0x00, {0xE1, f.checks().sum, static_cast<std::uint8_t>(f.checks().add + 1)})};
@@ -169,7 +169,7 @@ TEST_F(Writes, anothers_check_bytes_are_no_acknowledgement) {
 }
 
 // The acknowledgement does not show which command it belongs to.
-TEST_F(Writes, a_wrong_acknowledgement_ends_none_of_two_commands) {
+TEST_F(Writes, do_not_end_either_of_two_commands_at_a_wrong_acknowledgement) {
     struct Asks final : Asker {
         int ends = 0;
         void ended(const Ended& /*ended*/, TimePoint /*now*/) override { ++ends; }
@@ -183,7 +183,7 @@ TEST_F(Writes, a_wrong_acknowledgement_ends_none_of_two_commands) {
     EXPECT_EQ(asks.ends, 0);
 }
 
-TEST_F(Writes, a_write_that_is_stored_and_never_acknowledged_as_it_must_be_is_found_by_reading_it_back) {
+TEST_F(Writes, detect_a_stored_value_with_a_wrong_acknowledgement_by_reading_it_back) {
     fake.instead = [&](FrameView f) -> std::optional<std::vector<Bytes>> {
         if (f.id() != 0xE1) return std::nullopt;
         fake.usual(f);
@@ -196,7 +196,7 @@ TEST_F(Writes, a_write_that_is_stored_and_never_acknowledged_as_it_must_be_is_fo
     EXPECT_EQ(writes(), 1u);
 }
 
-TEST_F(Writes, silence_behind_a_write_says_that_it_may_be_done) {
+TEST_F(Writes, report_that_the_value_may_be_written_when_the_device_is_silent_afterwards) {
     fake.instead = [&](FrameView) { return writes() > 0 ? nothing() : std::nullopt; };
     const auto task = write(info(0), std::int64_t{200});
     EXPECT_EQ(task->end()->ending, Ending::timeout);
@@ -218,7 +218,7 @@ TEST_F(Writes, an_empty_text_is_written_as_it_is) {
 }
 
 // Its device info is discarded when its first answer arrives.
-TEST_F(Writes, a_device_that_was_silent_for_long_says_first_what_it_has) {
+TEST_F(Writes, identify_a_device_again_after_a_long_silence) {
     write(info(0), std::int64_t{1});
     simulation.pass(Device::away_after);
     const auto task = write(info(0), std::int64_t{2});
@@ -259,7 +259,7 @@ TEST_F(Writes, no_value_is_shorter_than_its_type) {
     }
 }
 
-TEST_F(Writes, what_does_not_fit_is_never_sent) {
+TEST_F(Writes, never_send_a_value_that_does_not_fit_its_type) {
     EXPECT_EQ(write(info(0), std::int64_t{256})->end()->what, "U8: 256 is out of range, u8 is 0 to 255");
     EXPECT_EQ(write(info(0), 1.5)->end()->what, "U8: 1.5 is not whole, u8 is 0 to 255");
     EXPECT_EQ(write(info(0), std::string{"1"})->end()->what, "U8: \"1\" is not a number, u8 is 0 to 255");
@@ -284,7 +284,7 @@ TEST_F(Writes, a_shorter_text_leaves_nothing_of_the_old_one) {
     EXPECT_EQ(fake.parameters[2].value, (Bytes{'x', 0, 0, 0, 0, 0}));
 }
 
-TEST_F(Writes, cancelled_it_says_whether_it_may_be_written) {
+TEST_F(Writes, report_whether_the_value_may_be_written_when_cancelled) {
     ParameterWrite early{device, info(0), std::int64_t{1}};
     early.start(simulation.now);
     early.cancel(simulation.now);
@@ -338,7 +338,7 @@ TEST_F(Writes, wrong_check_bytes_end_an_action_at_once) {
 }
 
 // An ESP32 library acknowledges questions as well.
-TEST_F(Writes, an_acknowledgement_of_a_question_before_is_no_wrong_one) {
+TEST_F(Writes, ignore_an_acknowledgement_of_an_earlier_request) {
     fake.instead = [&](FrameView f) -> std::optional<std::vector<Bytes>> {
         auto answers = fake.usual(f);
         if (f.data()[0] != 0x10) answers.push_back(fake.check(f));
@@ -371,7 +371,7 @@ struct Applies : Writes {
     }
 };
 
-TEST_F(Applies, only_what_differs_is_written) {
+TEST_F(Applies, writes_only_values_that_differ) {
     const auto task = apply({{"U8", std::int64_t{7}}, {"F32", 0.5}, {"TEXT", std::string{"abcd"}}, {"I16", std::int64_t{2}}});
     EXPECT_EQ(task->end()->ending, Ending::done);
     EXPECT_EQ(states(*task), (std::vector{State::same, State::same, State::same, State::written}));
@@ -380,7 +380,7 @@ TEST_F(Applies, only_what_differs_is_written) {
     EXPECT_EQ(task->rows()[3].stored, AnyValue{std::int64_t{2}});
 }
 
-TEST_F(Applies, a_lost_write_costs_one_comparison_and_not_one_for_each_later_value) {
+TEST_F(Applies, compares_the_device_only_once_after_a_lost_write) {
     fake.make_parameters(10, 0);
     std::size_t lost = 0;
     fake.instead = [&](FrameView frame) -> std::optional<std::vector<Bytes>> {
@@ -397,7 +397,7 @@ TEST_F(Applies, a_lost_write_costs_one_comparison_and_not_one_for_each_later_val
     EXPECT_LE(std::count_if(first, fake.heard.end(), [](const Bytes& frame) { return frame[3] == 0xE0 && frame[6] == 3; }), 1);
 }
 
-TEST_F(Applies, a_clamped_one_is_listed_and_no_failure) {
+TEST_F(Applies, lists_a_clamped_value_without_a_failure) {
     fake.parameters[0].store = [](const Bytes&) { return Bytes{100}; };
     const auto task = apply({{"U8", std::int64_t{200}}, {"I16", std::int64_t{2}}}, {.rollback = true});
     EXPECT_EQ(task->end()->ending, Ending::done);
@@ -405,7 +405,7 @@ TEST_F(Applies, a_clamped_one_is_listed_and_no_failure) {
 }
 
 // A failure after a restart is caused by it, and the values written before are lost unless they were saved.
-TEST_F(Applies, a_restart_in_between_is_said) {
+TEST_F(Applies, reports_a_restart_during_the_import) {
     for (const bool fails : {true, false}) {
         if (fails) fake.parameters[3].store = [](const Bytes&) { return Bytes{1, 0}; };
         else fake.parameters[3].store = nullptr;
@@ -459,7 +459,7 @@ struct Restarts : Applies {
     }
 };
 
-TEST_F(Restarts, what_is_lost_without_any_sign_is_written_again) {
+TEST_F(Restarts, without_any_sign_cause_lost_values_to_be_written_again) {
     for (const bool rollback : {false, true}) {
         fake.parameters = saved;
         restarts = 0;
@@ -473,7 +473,7 @@ TEST_F(Restarts, what_is_lost_without_any_sign_is_written_again) {
     }
 }
 
-TEST_F(Restarts, what_is_lost_again_is_named_and_undone) {
+TEST_F(Restarts, that_lose_values_again_are_reported_and_rolled_back) {
     max_restarts = 100;
     const auto task = apply_all({.goes_on = true});
     EXPECT_NE(task->end()->ending, Ending::done);
@@ -487,7 +487,7 @@ TEST_F(Restarts, what_is_lost_again_is_named_and_undone) {
     EXPECT_EQ(new_values(), 0);
 }
 
-TEST_F(Restarts, without_one_the_last_pass_costs_a_question_a_value) {
+TEST_F(Restarts, are_excluded_with_one_request_per_value_in_the_last_pass) {
     max_restarts = 0;
     const auto task = apply_all();
     EXPECT_EQ(task->end()->what, "");
@@ -497,7 +497,7 @@ TEST_F(Restarts, without_one_the_last_pass_costs_a_question_a_value) {
     EXPECT_LE(fake.heard.size() - before, 6u) << "one value alone is not read back a second time";
 }
 
-TEST_F(Applies, nothing_is_written_when_one_is_wrong) {
+TEST_F(Applies, writes_nothing_if_one_value_is_invalid) {
     EXPECT_EQ(apply({{"I16", std::int64_t{2}}, {"NONE", 1.0}})->end()->what, "unknown parameter NONE");
     EXPECT_EQ(apply({{"I16", std::int64_t{2}}, {"U8", std::int64_t{-1}}})->end()->what, "U8: -1 is out of range, u8 is 0 to 255");
     fake.parameters.push_back({0, "U8", "", {1}});
@@ -505,7 +505,7 @@ TEST_F(Applies, nothing_is_written_when_one_is_wrong) {
     EXPECT_EQ(writes(), 0u);
 }
 
-TEST_F(Applies, every_one_that_is_wrong_is_told_before_the_first_write) {
+TEST_F(Applies, reports_every_invalid_value_before_the_first_write) {
     const auto task = apply({{"TEXT", std::string{"1234567"}},
                              {"I16", std::int64_t{2}},
                              {"NONE", 1.0},
@@ -523,14 +523,14 @@ TEST_F(Applies, every_one_that_is_wrong_is_told_before_the_first_write) {
     EXPECT_EQ(apply({{"TEXT", std::string{"1234567"}}}, {.text = {.longer = true}})->end()->ending, Ending::done);
 }
 
-TEST_F(Applies, a_dry_run_says_what_differs) {
+TEST_F(Applies, lists_the_differences_in_a_dry_run) {
     const auto task = apply({{"U8", std::int64_t{7}}, {"I16", std::int64_t{2}}}, {.dry_run = true});
     EXPECT_EQ(task->end()->ending, Ending::done);
     EXPECT_EQ(states(*task), (std::vector{State::same, State::waiting}));
     EXPECT_EQ(writes(), 0u);
 }
 
-TEST_F(Applies, the_first_failure_ends_it) {
+TEST_F(Applies, ends_at_the_first_failure) {
     fake.parameters[1].store = [](const Bytes&) { return Bytes{0, 0, 0, 0x3F}; };
     const auto task = apply({{"U8", std::int64_t{9}}, {"F32", 2.0}, {"I16", std::int64_t{2}}});
     EXPECT_EQ(task->end()->ending, Ending::refused);
@@ -538,7 +538,7 @@ TEST_F(Applies, the_first_failure_ends_it) {
     EXPECT_EQ(fake.parameters[0].value, Bytes{9});
 }
 
-TEST_F(Applies, behind_one_that_is_refused_it_goes_on_when_it_may) {
+TEST_F(Applies, continues_after_a_refused_value_if_allowed) {
     fake.parameters[1].store = [](const Bytes&) { return Bytes{0, 0, 0, 0x3F}; };
     fake.instead = [&](FrameView f) { return f.id() == 0xE1 && f.data()[0] == 0 ? nothing() : std::nullopt; };    // read-only
     const auto task = apply({{"U8", std::int64_t{9}}, {"F32", 2.0}, {"I16", std::int64_t{2}}}, {.goes_on = true});
@@ -554,7 +554,7 @@ TEST_F(Applies, behind_one_that_is_refused_it_goes_on_when_it_may) {
     EXPECT_EQ(states(*all), (std::vector{State::failed, State::waiting}));
 }
 
-TEST_F(Applies, a_device_that_no_longer_answers_ends_it_although_it_may_go_on) {
+TEST_F(Applies, ends_when_the_device_no_longer_answers_even_if_it_may_continue_after_failures) {
     fake.instead = [&](FrameView) { return writes() > 0 ? nothing() : std::nullopt; };
     const auto task = apply({{"U8", std::int64_t{9}}, {"F32", 2.0}, {"I16", std::int64_t{2}}}, {.goes_on = true});
     EXPECT_EQ(states(*task), (std::vector{State::failed, State::waiting, State::waiting}));
@@ -573,7 +573,7 @@ TEST_F(Applies, rollback_undoes_all_when_one_fails) {
     EXPECT_EQ(task->rows()[2].state, State::failed) << "it was read back, and is as it was";
 }
 
-TEST_F(Applies, cancelled_with_rollback_it_undoes_first) {
+TEST_F(Applies, rolls_back_before_it_ends_when_cancelled_with_rollback) {
     ParameterApply task{device, &cache, {{"U8", std::int64_t{9}}, {"I16", std::int64_t{2}}}, {.rollback = true}};
     simulation.each_step = [&, cancelled = false](TimePoint now) mutable {
         if (writes() == 2 && !std::exchange(cancelled, true)) task.cancel(now);
@@ -587,7 +587,7 @@ TEST_F(Applies, cancelled_with_rollback_it_undoes_first) {
     EXPECT_EQ(fake.parameters[3].value, (Bytes{1, 0}));
 }
 
-TEST_F(Applies, cancelled_twice_it_says_what_is_not_undone) {
+TEST_F(Applies, reports_the_values_not_rolled_back_when_cancelled_twice) {
     ParameterApply task{device, &cache, {{"U8", std::int64_t{9}}, {"F32", 2.0}, {"I16", std::int64_t{2}}}, {.rollback = true}};
     simulation.each_step = [&](TimePoint now) {
         if (writes() >= 2) task.cancel(now);
@@ -599,7 +599,7 @@ TEST_F(Applies, cancelled_twice_it_says_what_is_not_undone) {
     EXPECT_EQ(states(task), (std::vector{State::not_undone, State::not_undone, State::waiting}));
 }
 
-TEST_F(Applies, a_dead_device_ends_it_and_the_undoing) {
+TEST_F(Applies, ends_together_with_the_rollback_when_the_device_is_dead) {
     fake.instead = [&](FrameView) { return writes() >= 2 ? nothing() : std::nullopt; };
     ParameterApply task{device, &cache, {{"U8", std::int64_t{9}}, {"F32", 2.0}, {"I16", std::int64_t{2}}}, {.rollback = true}};
     task.start(simulation.now);
@@ -631,7 +631,7 @@ struct BecomesAnother : Applies {
     decltype(fake.parameters) is_another;
 };
 
-TEST_F(BecomesAnother, and_is_left_alone) {
+TEST_F(BecomesAnother, device_and_receives_no_further_values) {
     for (const bool rollback : {true, false})
         for (const bool says_it : {true, false})
             for (const std::size_t at : {1u, 2u, 3u}) {

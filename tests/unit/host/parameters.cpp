@@ -66,7 +66,7 @@ TEST_F(Reads, a_device_without_parameters) {
     EXPECT_TRUE(parameters.descriptions().empty());
 }
 
-TEST_F(Reads, the_window_is_never_more_than_eight) {
+TEST_F(Reads, at_most_eight_parameters_at_a_time) {
     fake.make_parameters(60);
     ASSERT_EQ(read(), Ending::done);
     EXPECT_EQ(simulation.most_on_their_way, Window::max_size);
@@ -79,7 +79,7 @@ Bytes i32(std::int32_t n) {
     return bytes;
 }
 
-TEST_F(Reads, values_of_older_devices_and_their_ranges) {
+TEST_F(Reads, values_and_ranges_of_older_devices) {
     fake.old = true;
     fake.parameters = {{0, "ROL", "", i32(-7)}, {0, "\xB8\xDF\xB6\xC8", "", i32(8'503'346)}};
     fake.parameters[1].max = 10'000'000;
@@ -90,7 +90,7 @@ TEST_F(Reads, values_of_older_devices_and_their_ranges) {
     EXPECT_EQ(parameters.descriptions()[1].layout, ParameterLayout::ranged);
 }
 
-TEST_F(Reads, scaled_values_are_divided) {
+TEST_F(Reads, scaled_values_and_divides_them) {
     fake.scaled = true;
     fake.parameters = {{0, "P", "", i32(1234)}, {0, "I", "", i32(-5)}, {0, "COUNT", "a whole number", i32(55)}};
     fake.parameters[0].mul = 1000;
@@ -106,7 +106,7 @@ TEST_F(Reads, scaled_values_are_divided) {
 }
 
 // 8202 is 0x200A: in the current layout this is a text whose name begins with a space.
-TEST_F(Reads, a_device_has_one_layout_whatever_one_description_looks_like) {
+TEST_F(Reads, all_descriptions_of_a_device_in_one_layout) {
     for (const bool scaled : {false, true}) {
         fake.old = !scaled;
         fake.scaled = scaled;
@@ -127,7 +127,7 @@ TEST_F(Reads, a_device_has_one_layout_whatever_one_description_looks_like) {
     }
 }
 
-TEST_F(Reads, descriptions_come_from_the_cache_values_never) {
+TEST_F(Reads, descriptions_from_the_cache_but_never_values) {
     fake.make_parameters(20);
     ASSERT_EQ(read(), Ending::done);
     fake.heard.clear();
@@ -143,7 +143,7 @@ TEST_F(Reads, descriptions_come_from_the_cache_values_never) {
     EXPECT_EQ(again.descriptions(), parameters.descriptions());
 }
 
-TEST_F(Reads, the_values_of_some_alone) {
+TEST_F(Reads, the_values_of_some_parameters_only) {
     fake.make_parameters(40);
     for (const bool cached : {false, true}) {
         fake.heard.clear();
@@ -165,7 +165,7 @@ TEST_F(Reads, the_values_of_some_alone) {
     EXPECT_EQ(some.end()->what, "parameter 7 was not received completely");
 }
 
-TEST_F(Reads, who_says_otherwise_or_was_away_is_read_again) {
+TEST_F(Reads, descriptions_again_if_the_device_has_changed_or_was_away) {
     fake.make_parameters(5);
     ASSERT_EQ(read(), Ending::done);
     const auto described_again = [&] {
@@ -187,7 +187,7 @@ TEST_F(Reads, who_says_otherwise_or_was_away_is_read_again) {
     EXPECT_EQ(described_again(), 6u) << "away";
 }
 
-TEST_F(Reads, values_that_do_not_fit_cached_descriptions_have_them_read_again) {
+TEST_F(Reads, descriptions_again_if_the_values_do_not_fit_the_cached_ones) {
     fake.make_parameters(5);
     ASSERT_EQ(read(), Ending::done);
     fake.parameters[4] = {0, "NEW", "", {9}};    // it had four bytes
@@ -208,14 +208,14 @@ TEST_F(Reads, an_old_device_with_its_ranges) {
     EXPECT_EQ(parameters.value(1), AnyValue{std::int64_t{-1}});
 }
 
-TEST_F(Reads, a_dead_device_ends_it_soon_with_the_evidence) {
+TEST_F(Reads, and_times_out_soon_for_a_dead_device_and_reports_the_number_of_tries) {
     fake.deaf = true;
     EXPECT_EQ(read(), Ending::timeout);
     EXPECT_EQ(parameters.end()->evidence.sent, 30u);
     EXPECT_EQ(parameters.end()->what, "0xDC does not answer: device info, sent 30 times");
 }
 
-TEST_F(Reads, a_device_that_dies_in_the_middle_ends_it_within_its_bound) {
+TEST_F(Reads, and_ends_within_its_time_limit_when_the_device_is_lost_in_the_middle) {
     fake.make_parameters(300);
     fake.instead = [&](FrameView) -> std::optional<std::vector<Bytes>> {
         if (fake.heard.size() > 100) return std::vector<Bytes>{};
@@ -228,7 +228,7 @@ TEST_F(Reads, a_device_that_dies_in_the_middle_ends_it_within_its_bound) {
     EXPECT_LT(took, std::chrono::seconds{12});
 }
 
-TEST_F(Reads, one_without_an_answer_is_told_and_the_others_are_there) {
+TEST_F(Reads, the_other_parameters_and_reports_one_without_an_answer) {
     fake.make_parameters(30);
     fake.instead = [](FrameView f) -> std::optional<std::vector<Bytes>> {
         if (f.id() == 0xE0 && f.data()[0] == 2 && f.data()[1] == 17) return std::vector<Bytes>{};
@@ -240,7 +240,7 @@ TEST_F(Reads, one_without_an_answer_is_told_and_the_others_are_there) {
     EXPECT_TRUE(parameters.value(29));
 }
 
-TEST_F(Reads, a_count_that_is_a_lie_does_not_take_for_ever) {
+TEST_F(Reads, within_a_minute_from_a_device_that_reports_a_wrong_count) {
     fake.make_parameters(10);
     fake.says_count = 60'000;
     fake.instead = [&](FrameView f) -> std::optional<std::vector<Bytes>> {
@@ -254,14 +254,14 @@ TEST_F(Reads, a_count_that_is_a_lie_does_not_take_for_ever) {
     EXPECT_LT(took, std::chrono::minutes{1});
 }
 
-TEST_F(Reads, a_value_shorter_than_its_type_is_no_value) {
+TEST_F(Reads, no_value_that_is_shorter_than_its_type) {
     fake.make_parameters(10);
     fake.parameters[5].value = {1, 2};
     EXPECT_EQ(read(), Ending::incomplete);
     EXPECT_FALSE(parameters.value(5));
 }
 
-TEST_F(Reads, a_count_that_changes_meanwhile_begins_again) {
+TEST_F(Reads, again_from_the_start_when_the_count_changes_meanwhile) {
     fake.make_parameters(10);
     bool grown = false;
     fake.instead = [&](FrameView f) -> std::optional<std::vector<Bytes>> {
@@ -275,7 +275,7 @@ TEST_F(Reads, a_count_that_changes_meanwhile_begins_again) {
     EXPECT_EQ(parameters.descriptions().size(), 12u);
 }
 
-TEST_F(Reads, a_device_that_has_fewer_meanwhile_is_asked_for_none_of_those_that_are_gone) {
+TEST_F(Reads, no_removed_parameters_when_the_count_becomes_smaller_meanwhile) {
     fake.make_parameters(100);
     simulation.each_step = [&](TimePoint now) {
         if (simulation.frames_there < 40 || fake.parameters.size() < 100) return;
@@ -288,7 +288,7 @@ TEST_F(Reads, a_device_that_has_fewer_meanwhile_is_asked_for_none_of_those_that_
     EXPECT_FALSE(fake.crashed);
 }
 
-TEST_F(Reads, a_device_that_becomes_another_one_meanwhile_is_read_again) {
+TEST_F(Reads, again_when_the_device_becomes_another_one_meanwhile) {
     fake.make_parameters(20);
     simulation.each_step = [&](TimePoint now) {
         if (simulation.frames_there < 30 || fake.version == 101) return;
@@ -303,7 +303,7 @@ TEST_F(Reads, a_device_that_becomes_another_one_meanwhile_is_read_again) {
     for (const ParameterInfo& one : parameters.descriptions()) EXPECT_EQ(one.name, "PAR_" + std::to_string(one.id) + "_NEW");
 }
 
-TEST_F(Reads, a_count_that_never_stays_ends_it) {
+TEST_F(Reads, and_fails_when_the_count_never_stops_changing) {
     fake.make_parameters(30);
     std::uint16_t count = 10;
     fake.instead = [&](FrameView f) -> std::optional<std::vector<Bytes>> {
@@ -314,14 +314,14 @@ TEST_F(Reads, a_count_that_never_stays_ends_it) {
     EXPECT_FALSE(fake.crashed);
 }
 
-TEST_F(Reads, two_with_one_name_are_both_there_and_the_name_finds_neither) {
+TEST_F(Reads, two_parameters_with_one_name_and_finds_neither_by_that_name) {
     fake.parameters = {{0, "SAME", "", {1}}, {0, "SAME", "", {2}}};
     ASSERT_EQ(read(), Ending::done);
     EXPECT_EQ(parameters.find("SAME").parameter, nullptr);
     EXPECT_TRUE(parameters.find("SAME").several);
 }
 
-TEST_F(Reads, names_are_bytes_and_types_may_be_unheard_of) {
+TEST_F(Reads, names_of_any_bytes_and_unknown_types) {
     fake.parameters = {{0, "\xB2\xCE\xFF\x01", "\xFE", {1}}, {99, "ODD", "", {1, 2, 3}}, {10, "EMPTY", "", {}}};
     ASSERT_EQ(read(), Ending::done);
     EXPECT_EQ(parameters.descriptions()[0].name, "\xB2\xCE\xFF\x01");
@@ -331,7 +331,7 @@ TEST_F(Reads, names_are_bytes_and_types_may_be_unheard_of) {
     EXPECT_EQ(parameters.value(2), AnyValue{std::string{}});
 }
 
-TEST_F(Reads, answers_late_twice_and_in_any_order_are_told_apart) {
+TEST_F(Reads, answers_that_arrive_late_twice_and_in_any_order) {
     fake.make_parameters(100);
     simulation.back = {
         .delay = std::chrono::milliseconds{5}, .jitter = std::chrono::milliseconds{80}, .loss = 0.05, .duplicate = 0.3};
@@ -345,7 +345,7 @@ TEST_F(Reads, answers_late_twice_and_in_any_order_are_told_apart) {
 }
 
 // Nothing is lost: before a round trip is measured, a question is repeated before its answer can arrive.
-TEST_F(Reads, over_a_line_with_long_round_trips_several_at_a_time) {
+TEST_F(Reads, several_parameters_at_a_time_over_a_line_with_long_round_trips) {
     fake.make_parameters(150);
     for (const int delay : {170, 200, 220, 250, 400}) {
         SCOPED_TRACE(delay);
@@ -362,7 +362,7 @@ TEST_F(Reads, over_a_line_with_long_round_trips_several_at_a_time) {
     }
 }
 
-TEST_F(Reads, another_hosts_answers_do_no_harm) {
+TEST_F(Reads, without_using_answers_to_other_hosts) {
     fake.make_parameters(20);
     simulation.each_step = [&](TimePoint now) {
         const Bytes foreign = support::frame(0xDC, 0xD2, 0xE1, {3, 0, 99, 99, 99, 99});
@@ -374,7 +374,7 @@ TEST_F(Reads, another_hosts_answers_do_no_harm) {
     EXPECT_EQ(Bytes(parameters.bytes(3).begin(), parameters.bytes(3).end()), fake.parameters[3].value);
 }
 
-TEST_F(Reads, cancelled_it_sends_nothing_more) {
+TEST_F(Reads, nothing_more_when_cancelled) {
     fake.make_parameters(100);
     simulation.each_step = [&](TimePoint now) {
         if (simulation.frames_there > 20) parameters.cancel(now);

@@ -27,7 +27,7 @@ std::string with_bytes(std::string_view begin) {
     return file;
 }
 
-TEST(UnlikeFirmware, is_what_other_programs_pack) {
+TEST(UnlikeFirmware, is_an_archive_or_another_packed_format) {
     expect_doubt(with_bytes({"UF2\nWQ]\x9E", 8}), "UF2", "uf2conv.py FILE.uf2 --convert --output FILE.bin");
     expect_doubt(with_bytes({"\x1F\x8B\x08\0", 4}), "gzip", "gunzip FILE.gz");
     expect_doubt(with_bytes({"\xFD"
@@ -64,7 +64,7 @@ TEST(UnlikeFirmware, is_a_motorola_s_record_with_any_line_ending) {
                          "objcopy -I srec -O binary FILE.s19 FILE.bin");
 }
 
-TEST(UnlikeFirmware, is_a_text_with_zeros_behind_it_but_no_image_that_begins_with_a_text) {
+TEST(UnlikeFirmware, is_a_text_followed_by_zeros_but_not_an_image_that_starts_with_a_text) {
     const std::string zeros(40000, '\0');
     expect_doubt("a readme\n" + zeros, "text", "");
     for (const std::size_t at : {2000u, 30000u, 40008u}) {
@@ -89,7 +89,7 @@ TEST(UnlikeFirmware, is_a_picture_or_a_program_of_another_system) {
     expect_doubt(with_bytes("<?xml version"), "XML", "");
 }
 
-TEST(UnlikeFirmware, is_the_same_behind_padding) {
+TEST(UnlikeFirmware, is_also_found_after_padding) {
     for (const char pad : {'\0', '\xFF'})
         for (const std::size_t size : {16u, 64u, 5000u, 100000u}) {
             const std::string padding(size, pad);
@@ -106,7 +106,7 @@ TEST(UnlikeFirmware, is_the_same_behind_padding) {
 
 TEST(UnlikeFirmware, is_erased_flash) { expect_doubt(std::string(3000, '\xFF'), "erased flash", ""); }
 
-TEST(UnlikeFirmware, is_a_text_in_units_of_four_bytes) {
+TEST(UnlikeFirmware, is_a_text_in_utf_32) {
     for (const bool little : {true, false})
         for (const bool marked : {true, false}) {
             std::string file;
@@ -116,7 +116,7 @@ TEST(UnlikeFirmware, is_a_text_in_units_of_four_bytes) {
         }
 }
 
-TEST(UnlikeFirmware, is_what_is_behind_the_header_of_a_bia) {
+TEST(UnlikeFirmware, is_also_found_after_the_header_of_a_bia) {
     const std::string header = "bia" + std::string(97, '\0');
     expect_doubt(header + ":10010000214601360121470136007EFE09D2190140\n", "Intel HEX", "objcopy -I ihex");
     expect_doubt(header + with_bytes("\x7F"
@@ -127,7 +127,7 @@ TEST(UnlikeFirmware, is_what_is_behind_the_header_of_a_bia) {
     EXPECT_EQ(doubt_about(header + with_bytes({"\0\0\2\x20", 4})), "");
 }
 
-TEST(UnlikeFirmware, is_no_image_that_begins_as_compiled_ones_do) {
+TEST(UnlikeFirmware, is_not_an_image_that_starts_like_a_compiled_one) {
     for (const std::string_view begin :
          {std::string_view{"\0\0\2\x20\xC1\1\0\x08", 8}, std::string_view{"\x1F\x8B\0\x20\xC1\1\0\x08", 8},
           std::string_view{"\x55\x46\0\x20", 4}, std::string_view{"\xE9\6\2\x20", 4}, std::string_view{"\0\0\0\0S1", 6},

@@ -34,14 +34,14 @@ struct WaypointsOf : testing::Test {
     }
 };
 
-TEST_F(WaypointsOf, a_device_are_put_and_got) {
+TEST_F(WaypointsOf, a_device_are_written_and_read) {
     EXPECT_EQ(put(route).ending, Ending::done);
     EXPECT_EQ(get(), route);
 }
 
-TEST_F(WaypointsOf, a_device_without_any) { EXPECT_TRUE(get().empty()); }
+TEST_F(WaypointsOf, a_device_without_waypoints_are_an_empty_list) { EXPECT_TRUE(get().empty()); }
 
-TEST_F(WaypointsOf, a_device_that_is_heard_but_keeps_none_is_not_said_to_be_silent) {
+TEST_F(WaypointsOf, an_online_device_that_stores_none_time_out_without_a_report_of_silence) {
     fake.instead = [&](FrameView f) -> std::optional<std::vector<Bytes>> {
         return std::vector<Bytes>{fake.to_host(f, 0x03, Bytes(7))};
     };
@@ -58,13 +58,13 @@ TEST_F(WaypointsOf, a_device_that_is_heard_but_keeps_none_is_not_said_to_be_sile
     EXPECT_EQ(put(route).what, "0xDC does not answer: write of waypoint 0, sent 6 times");
 }
 
-TEST_F(WaypointsOf, places_are_read_back_as_the_wire_rounds_them) {
+TEST_F(WaypointsOf, a_device_are_compared_after_the_rounding_of_the_protocol) {
     const End end = put({{0, 113.123456789, 22.0, 0, 0, 0, 0, {}}});
     EXPECT_EQ(end.ending, Ending::done);
     EXPECT_EQ(end.what, "");
 }
 
-TEST_F(WaypointsOf, what_is_stored_otherwise_and_what_remains_is_told) {
+TEST_F(WaypointsOf, a_device_that_are_stored_differently_or_remain_are_reported) {
     fake.waypoints.assign(5, Bytes(22));
     fake.instead = [&](FrameView f) -> std::optional<std::vector<Bytes>> {
         if (f.id() == 0x61 && f.data()[0] == 1) {
@@ -79,7 +79,7 @@ TEST_F(WaypointsOf, what_is_stored_otherwise_and_what_remains_is_told) {
     EXPECT_EQ(end.what, "1 of them were stored differently (1), and 0xDC has 5, the last 3 are its old ones");
 }
 
-TEST_F(WaypointsOf, a_device_that_acknowledges_all_and_stores_none_has_failed) {
+TEST_F(WaypointsOf, a_device_that_acknowledges_all_and_stores_none_fail) {
     fake.waypoints.clear();
     for (std::uint8_t num = 0; num < 2; ++num) fake.waypoints.push_back(support::operator+(Bytes{num}, Bytes(21)));
     fake.instead = [&](FrameView f) -> std::optional<std::vector<Bytes>> {
@@ -91,7 +91,7 @@ TEST_F(WaypointsOf, a_device_that_acknowledges_all_and_stores_none_has_failed) {
     EXPECT_EQ(end.what, "0xDC acknowledged all waypoints but stored none of them as written: 0, 1");
 }
 
-TEST_F(WaypointsOf, what_is_not_on_earth_is_never_sent) {
+TEST_F(WaypointsOf, an_impossible_position_are_never_sent) {
     EXPECT_EQ(put({route[0], {1, 181, 0, 0, 0, 0, 0, {}}}).ending, Ending::invalid);
     EXPECT_EQ(put({{0xFF, 1, 0, 0, 0, 0, 0, {}}}).ending, Ending::invalid);
     EXPECT_EQ(put({{1, 1, -90.5, 0, 0, 0, 0, {}}}).ending, Ending::invalid);
@@ -99,7 +99,7 @@ TEST_F(WaypointsOf, what_is_not_on_earth_is_never_sent) {
     EXPECT_TRUE(fake.heard.empty());
 }
 
-TEST_F(WaypointsOf, one_that_is_not_given_back_is_refused) {
+TEST_F(WaypointsOf, a_device_that_acknowledges_but_does_not_return_them_are_refused) {
     fake.instead = [&](FrameView f) -> std::optional<std::vector<Bytes>> {
         if (f.id() == 0x60) return std::vector<Bytes>{};
         return std::nullopt;
@@ -110,7 +110,7 @@ TEST_F(WaypointsOf, one_that_is_not_given_back_is_refused) {
 }
 
 // It writes flash for each waypoint, and receives nothing meanwhile.
-TEST_F(WaypointsOf, one_that_is_acknowledged_3_s_late_is_not_given_up) {
+TEST_F(WaypointsOf, a_device_that_acknowledges_3_s_late_are_still_written) {
     get();    // the round trip is known: 20 ms
     std::optional<TimePoint> busy_until;
     fake.instead = [&](FrameView f) -> std::optional<std::vector<Bytes>> {
@@ -127,7 +127,7 @@ TEST_F(WaypointsOf, one_that_is_acknowledged_3_s_late_is_not_given_up) {
     EXPECT_EQ(get(), route);
 }
 
-TEST_F(WaypointsOf, one_that_is_not_acknowledged_is_read_back) {
+TEST_F(WaypointsOf, a_device_that_does_not_acknowledge_are_read_back) {
     fake.instead = [&](FrameView f) -> std::optional<std::vector<Bytes>> {
         if (f.id() != 0x61) return std::nullopt;
         fake.usual(f);
@@ -141,7 +141,7 @@ TEST_F(WaypointsOf, one_that_is_not_acknowledged_is_read_back) {
     EXPECT_EQ(fake.waypoints.size(), 2u);
 }
 
-TEST_F(WaypointsOf, one_that_is_neither_acknowledged_nor_stored_ends_it) {
+TEST_F(WaypointsOf, a_device_that_neither_acknowledges_nor_stores_time_out) {
     fake.waypoints.assign(2, Bytes(22));
     fake.instead = [&](FrameView f) -> std::optional<std::vector<Bytes>> {
         if (f.id() != 0x61) return std::nullopt;
@@ -152,7 +152,7 @@ TEST_F(WaypointsOf, one_that_is_neither_acknowledged_nor_stored_ends_it) {
     EXPECT_EQ(end.what.substr(0, 60), "0xDC is online, but did not acknowledge: write of waypoint 0") << end.what;
 }
 
-TEST_F(WaypointsOf, what_a_device_lost_by_a_restart_is_named) {
+TEST_F(WaypointsOf, a_device_that_are_lost_by_a_restart_are_reported) {
     std::vector<Waypoint> long_route;
     for (std::uint8_t num = 0; num < 5; ++num) long_route.push_back({num, 113.5, 22.0 + num, 0, 0, 0, 0, {}});
     bool is_restarted = false;
@@ -167,7 +167,7 @@ TEST_F(WaypointsOf, what_a_device_lost_by_a_restart_is_named) {
 }
 
 // It restarts between a write and its read-back, so fast that there is no sign: the read-back is answered from its old list.
-TEST_F(WaypointsOf, all_that_a_short_restart_has_cost_are_named) {
+TEST_F(WaypointsOf, a_device_that_are_lost_by_a_short_restart_are_all_reported) {
     std::vector<Waypoint> long_route;
     for (std::uint8_t num = 0; num < 6; ++num) long_route.push_back({num, 113.5, 22.0 + num, 0, 0, 0, 0, {}});
     for (const std::uint8_t at : {std::uint8_t{3}, std::uint8_t{5}}) {
@@ -192,7 +192,7 @@ TEST_F(WaypointsOf, all_that_a_short_restart_has_cost_are_named) {
 }
 
 // The rest of the list is unchanged, so that only the read-back shows it.
-TEST_F(WaypointsOf, one_that_is_read_back_otherwise_is_written_once_more) {
+TEST_F(WaypointsOf, a_device_that_are_read_back_differently_are_written_once_more) {
     for (const std::size_t size : {1u, 2u}) {
         const std::vector<Waypoint> wanted{route.begin(), route.begin() + static_cast<std::ptrdiff_t>(size)};
         fake.waypoints.clear();
@@ -212,7 +212,7 @@ TEST_F(WaypointsOf, one_that_is_read_back_otherwise_is_written_once_more) {
 }
 
 // An earlier answer that arrives late is not a sign that the list is lost: the list read at the end decides.
-TEST_F(WaypointsOf, a_read_back_of_before_the_write_loses_nothing) {
+TEST_F(WaypointsOf, a_device_are_not_reported_as_lost_by_a_late_answer_from_before_the_write) {
     for (const std::size_t size : {1u, 2u}) {
         const std::vector<Waypoint> wanted{route.begin(), route.begin() + static_cast<std::ptrdiff_t>(size)};
         fake.waypoints.assign(size, Bytes(22));
@@ -235,7 +235,7 @@ TEST_F(WaypointsOf, a_read_back_of_before_the_write_loses_nothing) {
     }
 }
 
-TEST_F(WaypointsOf, one_that_is_lost_behind_its_read_back_is_named) {
+TEST_F(WaypointsOf, a_device_that_are_lost_after_the_read_back_are_reported) {
     fake.instead = [&](FrameView f) -> std::optional<std::vector<Bytes>> {
         if (f.id() == 0x60 && f.data()[0] == 0xFF) fake.waypoints[0][9] = 1;
         return std::nullopt;
@@ -245,7 +245,7 @@ TEST_F(WaypointsOf, one_that_is_lost_behind_its_read_back_is_named) {
     EXPECT_EQ(end.what, "0xDC did not keep these waypoints (it has probably restarted): 0");
 }
 
-TEST_F(WaypointsOf, a_lossy_line_is_no_restart) {
+TEST_F(WaypointsOf, a_device_on_a_lossy_line_are_not_reported_as_lost_by_a_restart) {
     for (std::uint64_t seed = 1; seed <= 20; ++seed) {
         fake.waypoints.clear();
         Device other{0xDC};
@@ -258,7 +258,7 @@ TEST_F(WaypointsOf, a_lossy_line_is_no_restart) {
     }
 }
 
-TEST_F(WaypointsOf, cancelled_it_says_how_many_are_written) {
+TEST_F(WaypointsOf, a_cancelled_write_are_counted_up_to_the_last_one_written) {
     WaypointsPut task{device, route};
     simulation.each_step = [&](TimePoint now) {
         if (task.progress().done == 1) task.cancel(now);

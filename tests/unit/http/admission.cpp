@@ -47,12 +47,12 @@ constexpr int open = static_cast<int>(Access::open), view = static_cast<int>(Acc
               control = static_cast<int>(Access::control);
 const Field host{"Host", "192.168.1.5:8088"};
 
-TEST(Admission, who_comes_by_the_socket_may_everything) {
+TEST(Admission, grants_all_rights_to_clients_of_the_unix_socket) {
     EXPECT_EQ(judged(asked({}, {})), control);
     EXPECT_EQ(judged(asked({{"Host", "evil.example"}, {"Origin", "http://evil.example"}}, {})), control);
 }
 
-TEST(Admission, who_comes_by_the_network_may_what_his_token_may) {
+TEST(Admission, grants_network_clients_the_rights_of_their_token) {
     EXPECT_EQ(judged(asked({host})), open);
     EXPECT_EQ(judged(asked({host, {"Authorization", "Bearer " + looks}})), view);
     EXPECT_EQ(judged(asked({host, {"authorization", "bearer   " + acts}})), control);
@@ -61,7 +61,7 @@ TEST(Admission, who_comes_by_the_network_may_what_his_token_may) {
     EXPECT_EQ(judged(asked({host, {"Authorization", "Basic " + acts}})), open);
 }
 
-TEST(Admission, a_cookie_is_as_good_as_a_header) {
+TEST(Admission, accepts_a_token_in_a_cookie_like_one_in_a_header) {
     EXPECT_EQ(judged(asked({host, {"Cookie", "a=b; anogate-8088=" + acts}})), control);
     EXPECT_EQ(judged(asked({host, {"Cookie", "anogate-8088=" + looks + "; c=d"}})), view);
     EXPECT_EQ(judged(asked({host, {"Cookie", "anogate-9000=" + acts}})), open) << "another gateway of this host";
@@ -90,7 +90,7 @@ Admission admission_of_plots() {
     return admission_with(std::move(rules));
 }
 
-TEST(Admission, a_token_in_the_query_is_for_the_subprotocols_whose_clients_have_no_other_place) {
+TEST(Admission, accepts_a_token_in_the_query_only_for_subprotocols_whose_clients_need_it) {
     Admission admission = admission_of_plots();
     EXPECT_EQ(judged(admission, upgrade("/?token=" + looks, "plot.v2, plot.v1")), view);
     EXPECT_EQ(judged(admission, upgrade("/?a=b&token=" + acts + "&c", "plot.v1")), control);
@@ -108,20 +108,20 @@ TEST(Admission, a_token_in_the_query_is_for_the_subprotocols_whose_clients_have_
     EXPECT_EQ(judged(upgrade("/?token=" + looks, "plot.v1")), open) << "where no subprotocol is spoken";
 }
 
-TEST(Admission, a_header_counts_before_the_query_and_that_before_a_cookie) {
+TEST(Admission, prefers_a_token_in_a_header_to_the_query_and_the_query_to_a_cookie) {
     Admission admission = admission_of_plots();
     EXPECT_EQ(judged(admission, upgrade("/?token=" + acts, "plot.v1", {{"Authorization", "Bearer " + looks}})), view);
     EXPECT_EQ(judged(admission, upgrade("/?token=" + looks, "plot.v1", {{"Cookie", "anogate-8088=" + acts}})), view);
     EXPECT_EQ(judged(admission, upgrade("/?a", "plot.v1", {{"Cookie", "anogate-8088=" + acts}})), control);
 }
 
-TEST(Admission, a_wrong_token_in_the_query_is_an_attempt_like_any) {
+TEST(Admission, counts_a_wrong_token_in_the_query_as_an_attempt) {
     Admission admission = admission_of_plots();
     for (int i = 0; i < 10; ++i) EXPECT_EQ(judged(admission, upgrade("/?token=x", "plot.v1")), -401);
     EXPECT_EQ(judged(admission, upgrade("/?token=x", "plot.v1")), -429);
 }
 
-TEST(Admission, a_token_in_the_query_is_forgotten_once_it_was_judged) {
+TEST(Admission, removes_a_token_from_the_query_after_its_check) {
     const Admission admission = admission_of_plots();
     Request request = upgrade("/?encoding=json&t%6Fken=" + looks + "&token=x", "plot.v1");
     admission.forget_token(request);
@@ -131,9 +131,11 @@ TEST(Admission, a_token_in_the_query_is_forgotten_once_it_was_judged) {
     EXPECT_EQ(other.target, "/frames?token=x") << "who mistook the path is told of it";
 }
 
-TEST(Admission, a_user_of_his_own_gateway_needs_no_token) { EXPECT_EQ(judged(asked({host}, network_door(false))), control); }
+TEST(Admission, requires_no_token_on_a_listener_without_tokens) {
+    EXPECT_EQ(judged(asked({host}, network_door(false))), control);
+}
 
-TEST(Admission, what_a_proxy_passes_on_needs_a_token_wherever_it_comes_in) {
+TEST(Admission, requires_a_token_for_proxied_requests_on_every_listener) {
     for (const std::string name : {"Forwarded", "x-forwarded-for", "X-Forwarded-Proto", "VIA"}) {
         EXPECT_EQ(judged(asked({host, {name, "1"}}, network_door(false))), open) << name;
         EXPECT_EQ(judged(asked({{name, "1"}}, {})), open) << name;
@@ -141,7 +143,7 @@ TEST(Admission, what_a_proxy_passes_on_needs_a_token_wherever_it_comes_in) {
     }
 }
 
-TEST(Admission, a_name_that_is_not_ours_is_refused) {
+TEST(Admission, rejects_a_host_name_that_does_not_belong_to_the_gateway) {
     const auto by_name = [](const std::string& name) { return judged(asked({{"Host", name}}, network_door(false))); };
     for (const std::string ours :
          {"192.168.1.5", "192.168.1.5:8088", "localhost:9000", "LOCALHOST", "vehicle", "vehicle.local:8088", "Vehicle.Local."})
@@ -159,7 +161,7 @@ TEST(Admission, a_name_that_is_not_ours_is_refused) {
     EXPECT_EQ(judged(asked({{"Host", "[fe80::1]:8088"}}, v6)), control);
 }
 
-TEST(Admission, pages_of_others_may_not_ask) {
+TEST(Admission, rejects_requests_of_pages_of_other_origins) {
     const auto from = [](const std::string& origin, const std::string& to = "192.168.1.5:8088") {
         return judged(asked({{"Host", to}, {"Origin", origin}}, network_door(false)));
     };
@@ -180,7 +182,7 @@ TEST(Admission, pages_of_others_may_not_ask) {
     EXPECT_EQ(judged(friendly, asked({host, {"Origin", "http://ground.example"}}, network_door(false))), -403);
 }
 
-TEST(Admission, what_a_form_can_send_is_refused) {
+TEST(Admission, rejects_content_types_that_a_form_can_send) {
     const auto sent = [](std::vector<Field> headers, Door door = network_door(false)) {
         headers.push_back(host);
         Request request = asked(std::move(headers), std::move(door));
@@ -198,7 +200,7 @@ TEST(Admission, what_a_form_can_send_is_refused) {
     EXPECT_EQ(sent({}, {}), control) << "curl -d by the socket";
 }
 
-TEST(Admission, a_body_in_a_file_says_what_it_is_as_well) {
+TEST(Admission, checks_the_content_type_of_a_body_in_a_file_too) {
     struct Stored final : StoredBody {
         std::uint64_t size() const override { return 70'000; }
         bool read(std::uint64_t, std::span<std::uint8_t>) const override { return true; }
@@ -210,7 +212,7 @@ TEST(Admission, a_body_in_a_file_says_what_it_is_as_well) {
     }
 }
 
-TEST(Admission, after_ten_wrong_tokens_of_an_address_its_wrong_ones_are_slowed_down_for_a_minute) {
+TEST(Admission, rejects_further_wrong_tokens_for_a_minute_after_ten_from_one_address) {
     Admission admission = admission_with();
     std::vector<std::string> told;
     admission.on_guessing([&](const std::string& peer, const Attempts::News&) { told.push_back(peer); });
@@ -228,7 +230,7 @@ TEST(Admission, after_ten_wrong_tokens_of_an_address_its_wrong_ones_are_slowed_d
     EXPECT_EQ(admission.wrong_tokens(), 14u);
 }
 
-TEST(Admission, with_wrong_tokens_says_when_to_come_again) {
+TEST(Admission, sends_retry_after_when_it_slows_down_wrong_tokens) {
     Admission admission = admission_with();
     Request wrong = asked({host, {"Authorization", "Bearer wrong"}});
     for (int i = 0; i < 10; ++i) (void)admission.judge(wrong, {});
@@ -238,7 +240,7 @@ TEST(Admission, with_wrong_tokens_says_when_to_come_again) {
     EXPECT_NE(slowed.error().body.find("try again in 45 s"), std::string::npos) << slowed.error().body;
 }
 
-TEST(Admission, a_wrong_token_in_a_cookie_counts_as_none_and_is_cleared) {
+TEST(Admission, treats_a_wrong_token_in_a_cookie_like_no_token_and_clears_it) {
     AdmissionRules rules;
     rules.token_file_id = "12ab34cd";
     Admission admission = admission_with(rules);
@@ -261,7 +263,7 @@ TEST(Admission, a_wrong_token_in_a_cookie_counts_as_none_and_is_cleared) {
     EXPECT_EQ(judged(admission, login), open) << "whoever signs in has no token yet";
 }
 
-TEST(Admission, knows_pages_of_other_sites) {
+TEST(Admission, recognizes_pages_of_other_sites) {
     AdmissionRules rules;
     rules.origins = {"https://ground.example"};
     const Admission admission = admission_with(rules);
@@ -282,7 +284,7 @@ TEST(Admission, knows_pages_of_other_sites) {
     EXPECT_FALSE(is_foreign({{"Origin", "http://192.168.1.5:8088"}}));
 }
 
-TEST(Admission, needs_a_token_of_what_a_proxy_passed_on_by_whatever_header) {
+TEST(Admission, requires_a_token_for_proxied_requests_whatever_header_marks_them) {
     for (const std::string name : {"X-Real-IP", "CF-Connecting-IP", "True-Client-IP", "Via", "Forwarded", "X-Forwarded-For"})
         EXPECT_EQ(judged(asked({host, {name, "1.2.3.4"}}, {})), open) << name;
 }
@@ -295,7 +297,7 @@ TEST(Attempts, count_an_ipv6_network_as_one) {
     EXPECT_EQ(attempts.slowed_for("2001", {}), ano::Duration{});
 }
 
-TEST(Attempts, are_told_of_ten_clients_a_minute_and_the_others_are_counted) {
+TEST(Attempts, are_reported_for_ten_clients_a_minute_and_counted_for_the_others) {
     Attempts attempts;
     ano::TimePoint now{1h};
     const auto guess = [&](int client) {
@@ -323,7 +325,7 @@ TEST(Attempts, are_told_of_ten_clients_a_minute_and_the_others_are_counted) {
     EXPECT_EQ(news.untold, 0u);
 }
 
-TEST(Admission, sees_by_the_head_alone_who_may_control) {
+TEST(Admission, recognizes_control_rights_from_the_head_alone) {
     const Admission admission = admission_with();
     EXPECT_TRUE(admission.shows_control(asked({host, {"Authorization", "Bearer " + acts}})));
     EXPECT_FALSE(admission.shows_control(asked({host, {"Authorization", "Bearer wrong"}})));
@@ -332,7 +334,7 @@ TEST(Admission, sees_by_the_head_alone_who_may_control) {
     EXPECT_FALSE(admission.shows_control(asked({host, {"Via", "1.1 test"}}, {})));
 }
 
-TEST(Attempts, are_forgotten_of_whom_failed_longest_ago) {
+TEST(Attempts, of_the_client_that_failed_longest_ago_are_forgotten_first) {
     Attempts attempts;
     ano::TimePoint now{1h};
     for (std::size_t i = 0; i < Attempts::max_failures; ++i) attempts.failed("first", now);

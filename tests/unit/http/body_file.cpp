@@ -18,7 +18,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-TEST(BodyFile, has_what_was_put_and_no_name) {
+TEST(BodyFile, stores_the_appended_bytes_and_has_no_name) {
     const support::TempDir dir;
     auto made = BodyFile::make(dir / "new/folder");
     ASSERT_TRUE(made) << made.error();
@@ -33,12 +33,12 @@ TEST(BodyFile, has_what_was_put_and_no_name) {
     EXPECT_TRUE(std::filesystem::is_empty(dir.path() / "new/folder"));
 }
 
-TEST(BodyFile, says_when_there_is_no_room) {
+TEST(BodyFile, reports_a_full_disk) {
     BodyFile full{UniqueFd{::open("/dev/full", O_RDWR | O_CLOEXEC)}};
     EXPECT_EQ(full.append("x"), "No space left on device");
 }
 
-TEST(BodyFile, says_where_nothing_may_be_written) {
+TEST(BodyFile, reports_a_folder_that_is_not_writable) {
     const auto made = BodyFile::make("/proc/nothing");
     ASSERT_FALSE(made);
     EXPECT_TRUE(made.error().starts_with("/proc/nothing: ")) << made.error();
@@ -64,7 +64,7 @@ struct Keeps : testing::Test {
     asio::io_context io{1};
 };
 
-TEST_F(Keeps, part_by_part_beside_the_loop) {
+TEST_F(Keeps, a_body_part_by_part_outside_the_main_loop) {
     ::setenv("STATE_DIRECTORY", (dir / "state").c_str(), 1);
     FileKeeper keeper{io};
     EXPECT_EQ(put(keeper, "one "), "");
@@ -73,7 +73,7 @@ TEST_F(Keeps, part_by_part_beside_the_loop) {
     EXPECT_EQ(keeper.whole()->size(), 7u);
 }
 
-TEST_F(Keeps, elsewhere_where_there_is_no_state_folder) {
+TEST_F(Keeps, a_body_elsewhere_if_there_is_no_state_folder) {
     ::setenv("STATE_DIRECTORY", "/proc/nothing", 1);
     ::setenv("TMPDIR", dir.path().c_str(), 1);
     FileKeeper keeper{io};

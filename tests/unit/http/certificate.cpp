@@ -8,7 +8,7 @@
 namespace anogate::http::certificate_tests {
 namespace {
 
-TEST(Certificate, comes_with_a_key_that_is_ours_alone) {
+TEST(Certificate, is_created_with_a_key_that_only_its_owner_can_read) {
     support::TempDir dir;
     const auto made = make_certificate({{"vehicle.local", "localhost"}, {"192.168.1.5", "fe80::1"}}, dir / "cert", dir / "key");
     ASSERT_TRUE(made) << made.error();
@@ -17,7 +17,7 @@ TEST(Certificate, comes_with_a_key_that_is_ours_alone) {
     EXPECT_EQ(facts.st_mode & 0777, 0600u);
 }
 
-TEST(Certificate, is_never_written_over_another) {
+TEST(Certificate, never_overwrites_an_existing_file) {
     support::TempDir dir;
     dir.write("cert", "mine");
     const auto made = make_certificate({{"vehicle"}, {}}, dir / "cert", dir / "key");
@@ -29,13 +29,13 @@ TEST(Certificate, is_never_written_over_another) {
     EXPECT_FALSE(std::filesystem::exists(dir / "other"));
 }
 
-TEST(Certificate, for_what_is_not_an_address_is_refused) {
+TEST(Certificate, for_an_invalid_address_is_rejected) {
     support::TempDir dir;
     EXPECT_FALSE(make_certificate({{"vehicle"}, {"nowhere"}}, dir / "cert", dir / "key"));
     EXPECT_FALSE(std::filesystem::exists(dir / "key"));
 }
 
-TEST(Certificate, is_known_by_its_fingerprint) {
+TEST(Certificate, is_identified_by_its_fingerprint) {
     support::TempDir dir;
     ASSERT_TRUE(make_certificate({{"vehicle"}, {}}, dir / "cert", dir / "key"));
     const auto known = fingerprint(dir / "cert");

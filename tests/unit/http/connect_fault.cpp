@@ -23,7 +23,7 @@ SocketFile of_the_service() {
     return file;
 }
 
-TEST(ConnectFault, without_a_gateway_says_so) {
+TEST(ConnectFault, reports_that_no_gateway_is_running) {
     EXPECT_EQ(connect_fault(path, ENOENT, {}),
               "no gateway is running at /run/anogate/control.sock: socket not found (another one: --control PATH)");
     SocketFile sought;
@@ -40,7 +40,7 @@ TEST(ConnectFault, without_a_gateway_says_so) {
               "no gateway is running at /run/anogate/control.sock: the socket is left from a stopped one");
 }
 
-TEST(ConnectFault, without_permission_says_how_to_get_it) {
+TEST(ConnectFault, without_permission_shows_how_to_get_it) {
     SocketFile file = of_the_service();
     EXPECT_EQ(connect_fault(path, EACCES, file),
               "no permission for /run/anogate/control.sock: it belongs to group anogate; "
@@ -61,14 +61,14 @@ TEST(ConnectFault, without_permission_says_how_to_get_it) {
               "no permission for /run/anogate/control.sock: this user has no access to its folder: sudo anoctl ...");
 }
 
-TEST(ConnectFault, of_what_is_no_gateway_says_so) {
+TEST(ConnectFault, reports_a_file_or_program_that_is_not_a_gateway) {
     SocketFile file = of_the_service();
     EXPECT_EQ(connect_fault(path, EPROTOTYPE, file), "the program at /run/anogate/control.sock is not a gateway");
     file.is_socket = false;
     EXPECT_EQ(connect_fault(path, ECONNREFUSED, file), "/run/anogate/control.sock is not a socket");
 }
 
-TEST(ConnectFault, looks_at_what_is_there) {
+TEST(ConnectFault, inspects_the_file_at_the_socket_path) {
     const support::TempDir dir;
     EXPECT_FALSE(look_at_socket(dir / "none").is_there);
     EXPECT_FALSE(look_at_socket(dir.write("file", "")).is_socket);

@@ -33,17 +33,17 @@ std::vector<Visitor> fill(std::vector<Visitor> visitors, Visitor rest) {
     return visitors;
 }
 
-TEST(Places, of_one_client_the_connection_that_is_idle_the_longest_gives_way) {
+TEST(Places, close_the_connection_of_a_client_that_is_idle_the_longest) {
     EXPECT_EQ(gives_way(fill({idle(1, 9), views(1), idle(1, 3)}, idle(1, 5))), 2u);
 }
 
-TEST(Places, who_asked_half_a_request_gives_way_before_who_was_not_heard_yet) {
+TEST(Places, close_an_incomplete_request_before_a_connection_without_data) {
     EXPECT_EQ(gives_way(fill({unheard(1, 1), views(1), half(1, 3), half(1, 2)}, half(1, 5))), 3u);
     EXPECT_EQ(gives_way(fill({unheard(1, 2), half(1, 9)}, views(1))), 1u);
     EXPECT_EQ(gives_way(fill({unheard(1, 2), unheard(1, 1)}, views(1))), 1u) << "and then he does";
 }
 
-TEST(Places, who_just_connected_keeps_his_place_for_a_moment) {
+TEST(Places, keep_a_new_connection_open_for_a_moment) {
     std::vector<Visitor> visitors = fill({unheard(1, 7), unheard(1, 6)}, controls(1));
     EXPECT_EQ(gives_way(visitors, ano::TimePoint{7s}), 1u);
     EXPECT_EQ(gives_way(visitors, ano::TimePoint{6s}), std::nullopt);
@@ -53,7 +53,7 @@ TEST(Places, who_just_connected_keeps_his_place_for_a_moment) {
     EXPECT_EQ(gives_way(visitors, ano::TimePoint{6s}), 9u);
 }
 
-TEST(Places, of_two_sorts_the_crowd_gives_way) {
+TEST(Places, close_a_connection_of_the_more_frequent_kind_of_the_client) {
     EXPECT_EQ(gives_way(fill({idle(1, 1), half(1, 2), views(1)}, half(1, 3))), 1u) << "who floods by halves";
     EXPECT_EQ(gives_way(fill({half(1, 1), idle(1, 2), views(1)}, idle(1, 3))), 1u) << "who floods and is silent";
     EXPECT_EQ(gives_way(fill({half(1, 1), idle(1, 2)}, views(1))), 1u);
@@ -61,17 +61,17 @@ TEST(Places, of_two_sorts_the_crowd_gives_way) {
 }
 
 // The head of a request was received but not its body, while many silent connections of the same address are opened.
-TEST(Places, half_a_request_keeps_its_place_in_a_crowd_that_was_not_heard) {
+TEST(Places, keep_an_incomplete_request_open_among_many_connections_without_data) {
     EXPECT_EQ(gives_way(fill({half(1, 1), idle(1, 1)}, unheard(1, 3))), 2u);
 }
 
-TEST(Places, who_showed_a_token_goes_behind_those_who_only_have_its_address) {
+TEST(Places, close_connections_with_a_token_after_those_with_only_its_address) {
     Visitor silent = with(unheard(1, 5), Access::control);
     silent.by_address = true;
     EXPECT_EQ(gives_way(fill({with(half(1, 1), Access::control), with(idle(1, 1), Access::control)}, silent)), 2u);
 }
 
-TEST(Places, who_asks_nothing_gives_way_and_first_those_of_a_crowd) {
+TEST(Places, close_idle_connections_first_and_those_of_the_client_with_most_before_others) {
     std::vector<Visitor> visitors = fill({idle(2, 1)}, views(1));
     EXPECT_EQ(gives_way(visitors), 0u);
     visitors[5] = idle(3, 4);
@@ -85,7 +85,7 @@ TEST(Places, who_asks_nothing_gives_way_and_first_those_of_a_crowd) {
 }
 
 // The rule: as long as a client without control rights holds a place, every new client gets one.
-TEST(Places, a_whole_request_gives_way_unless_it_may_control) {
+TEST(Places, close_a_complete_request_only_if_it_has_no_control_rights) {
     std::vector<Visitor> visitors;
     for (std::uint64_t client = 0; client < places; ++client) visitors.push_back(views(client, 100 - static_cast<int>(client)));
     EXPECT_NE(gives_way(visitors), std::nullopt) << "though nobody has more than another";
@@ -97,7 +97,7 @@ TEST(Places, a_whole_request_gives_way_unless_it_may_control) {
     EXPECT_EQ(gives_way(visitors), 7u);
 }
 
-TEST(Places, of_those_who_control_only_one_whose_answer_lasts_gives_way) {
+TEST(Places, close_a_request_with_control_rights_only_if_its_response_takes_long) {
     std::vector<Visitor> visitors = fill({}, controls(1));
     visitors[3] = controls(2, 5);
     visitors[3].lasts = true;
@@ -109,7 +109,7 @@ TEST(Places, of_those_who_control_only_one_whose_answer_lasts_gives_way) {
     EXPECT_EQ(gives_way(visitors), 8u);
 }
 
-TEST(Places, a_client_is_an_address_and_of_ipv6_its_first_half) {
+TEST(Places, identify_a_client_by_its_ipv4_address_or_the_first_half_of_its_ipv6_address) {
     const auto client_at = [](const std::string& peer) {
         Door door;
         door.is_network = true;
@@ -126,7 +126,7 @@ TEST(Places, a_client_is_an_address_and_of_ipv6_its_first_half) {
     EXPECT_EQ(party_of(alice, Door{}).client, party_of(bob, Door{}).client);
 }
 
-TEST(Places, one_in_eight_is_kept_for_who_controls) {
+TEST(Places, reserve_one_in_eight_for_clients_with_control_rights) {
     std::vector<Visitor> visitors;
     for (std::uint64_t client = 0; client < 28; ++client) visitors.push_back(views(client));
     const Party last{unknown_user, 27}, next{unknown_user, 28};
@@ -144,7 +144,7 @@ TEST(Places, one_in_eight_is_kept_for_who_controls) {
     EXPECT_TRUE(request_place({visitors.data() + 1, 7}, 7, next, Access::open).is_free) << "of so few none";
 }
 
-TEST(Places, the_others_are_shared_by_clients) {
+TEST(Places, share_the_remaining_quota_equally_among_clients) {
     std::vector<Visitor> visitors(28, views(1, 5));
     visitors[4].since -= 2s;
     visitors.push_back(views(2));

@@ -33,7 +33,7 @@ TEST(RequestReader, reads_a_request_however_it_is_cut) {
     }
 }
 
-TEST(RequestReader, keeps_what_was_added_to_its_head) {
+TEST(RequestReader, preserves_changes_of_the_head_made_before_the_body) {
     RequestReader reader{{}, [](Request& head) {
                              EXPECT_EQ(head.body_to_come, 4u);
                              head.user = 7;
@@ -64,7 +64,7 @@ TEST(RequestReader, reads_a_body_in_chunks) {
         }
 }
 
-TEST(RequestReader, takes_no_body_for_a_request) {
+TEST(RequestReader, never_reads_a_body_of_unknown_coding_as_a_request) {
     for (const std::string coding : {"gzip", "identity", "xchunked", "\"chunked\"", "chunked, gzip", "chunked, chunked"})
         for (const std::size_t step : {1u, 1000u}) {
             RequestReader reader{{}};
@@ -77,7 +77,7 @@ TEST(RequestReader, takes_no_body_for_a_request) {
     EXPECT_TRUE(old.fault());
 }
 
-TEST(RequestReader, keeps_no_more_of_a_chunk_than_of_a_header) {
+TEST(RequestReader, limits_chunk_sizes_and_trailers_like_a_header) {
     for (const std::string begin : {"0\r\nx: ", "1;a=", "0;a=", "000"}) {
         RequestReader reader{{.header = 200, .body = 10}};
         put(reader, "POST / HTTP/1.1\r\nTransfer-Encoding: chunked\r\n\r\n" + begin + std::string(250, '0'), 50);
@@ -88,7 +88,7 @@ TEST(RequestReader, keeps_no_more_of_a_chunk_than_of_a_header) {
     EXPECT_TRUE(reader.is_done());
 }
 
-TEST(RequestReader, knows_whether_the_connection_stays) {
+TEST(RequestReader, detects_whether_the_connection_stays_open) {
     for (const auto& [text, stays] : {std::pair{"GET / HTTP/1.0\r\n\r\n", false},
                                       {"GET / HTTP/1.0\r\nConnection: keep-alive\r\n\r\n", true},
                                       {"GET / HTTP/1.1\r\nConnection: close\r\n\r\n", false},
@@ -106,7 +106,7 @@ unsigned status_of(const std::string& text, std::size_t step = 1 << 20) {
     return reader.fault() ? reader.fault()->status : 0;
 }
 
-TEST(RequestReader, says_what_is_too_large) {
+TEST(RequestReader, rejects_requests_that_are_too_large) {
     EXPECT_EQ(status_of("GET / HTTP/1.1\r\nX: " + std::string(200, 'x') + "\r\n\r\n"), 431u);
     EXPECT_EQ(status_of("GET / HTTP/1.1\r\nX: " + std::string(200, 'x') + "\r\n\r\n", 1), 431u);
     EXPECT_EQ(status_of("GET /" + std::string(300, 'x')), 431u);
@@ -116,7 +116,7 @@ TEST(RequestReader, says_what_is_too_large) {
     EXPECT_EQ(status_of("POST / HTTP/1.1\r\nTransfer-Encoding: chunked\r\n\r\nb\r\n01234567890\r\n0\r\n\r\n"), 413u);
 }
 
-TEST(RequestReader, takes_as_much_as_the_head_allows) {
+TEST(RequestReader, accepts_a_body_up_to_the_limit_for_its_head) {
     const auto limit = [](const Request& head) -> std::uint64_t {
         return head.target == "/file" && head.header("A") == "b" ? 1000 : 10;
     };
@@ -142,7 +142,7 @@ TEST(RequestReader, takes_as_much_as_the_head_allows) {
     }
 }
 
-TEST(RequestReader, gives_a_body_in_parts_to_who_takes_them) {
+TEST(RequestReader, returns_a_body_in_parts_while_it_is_received) {
     for (const std::string& head :
          {std::string{"Content-Length: 1000\r\n\r\n"}, std::string{"Transfer-Encoding: chunked\r\n\r\n3e8\r\n"}}) {
         RequestReader reader{{.header = 200, .body = 1000}};
@@ -163,7 +163,7 @@ TEST(RequestReader, gives_a_body_in_parts_to_who_takes_them) {
     }
 }
 
-TEST(RequestReader, says_what_is_not_a_request) {
+TEST(RequestReader, rejects_invalid_requests) {
     for (const char* bad : {"\x01\x02 HELLO\r\n\r\n", "GET\r\n\r\n", "GET / HTTP/2.0\r\n\r\n", "GET / XTTP/1.1\r\n\r\n",
                             "GET / HTTP/1.1\r\nno colon\r\n\r\n", "POST / HTTP/1.1\r\nContent-Length: -1\r\n\r\n",
                             "POST / HTTP/1.1\r\nContent-Length: 1\r\nContent-Length: 2\r\n\r\n",

@@ -16,12 +16,12 @@ Response with_body(std::string body) {
     return response;
 }
 
-TEST(ResponseHead, says_how_long_the_body_is) {
+TEST(ResponseHead, contains_the_length_of_the_body) {
     EXPECT_EQ(head_of(with_body("{}"), {}),
               "HTTP/1.1 200 OK\r\nContent-Type: application/json\r\nServer: anogate\r\nContent-Length: 2\r\n\r\n");
 }
 
-TEST(ResponseHead, says_whether_the_connection_stays_where_that_is_not_the_rule) {
+TEST(ResponseHead, contains_a_connection_header_only_if_it_differs_from_the_default) {
     const auto line = [](unsigned version, bool keep_alive) {
         const std::string head = head_of({}, {version, keep_alive});
         const auto at = head.find("Connection: ");
@@ -41,26 +41,26 @@ TEST(ResponseHead, of_a_stream_has_no_length) {
     EXPECT_EQ(head_of(response, {10, false}).find("Content-Length"), std::string::npos);
 }
 
-TEST(ResponseHead, of_a_stream_whose_length_is_known_says_it) {
+TEST(ResponseHead, of_a_stream_of_known_length_contains_the_length) {
     Response response;
     response.producer = std::make_unique<Parts>();
     response.length = 1234;
     EXPECT_NE(head_of(response, {}).find("\r\nContent-Length: 1234\r\n"), std::string::npos);
 }
 
-TEST(ResponseError, is_json_whatever_it_quotes) {
+TEST(ResponseError, is_valid_json_whatever_text_it_quotes) {
     EXPECT_EQ(error(404, "no '\"' or \\ here").body, "{\"error\": \"no '\\\"' or \\\\ here\", \"what\": \"unknown\"}\n");
     EXPECT_EQ(error(400, "\n\x1b\xff").body, "{\"error\": \"???\", \"what\": \"invalid\"}\n");
 }
 
-TEST(ResponseError, of_a_server_that_is_busy_says_when_to_come_again) {
+TEST(ResponseError, of_a_busy_server_contains_retry_after) {
     const std::string words = last_words(try_again("not now"));
     EXPECT_EQ(words,
               "HTTP/1.1 503 Service Unavailable\r\nRetry-After: 1\r\nContent-Type: application/json\r\nServer: anogate\r\n"
               "Connection: close\r\nContent-Length: 37\r\n\r\n{\"error\": \"not now\", \"what\": \"busy\"}\n");
 }
 
-TEST(ResponseChunk, has_its_length_in_hex_before_it) {
+TEST(ResponseChunk, starts_with_its_length_in_hex) {
     EXPECT_EQ(chunk("x"), "1\r\nx\r\n");
     EXPECT_EQ(chunk(std::string(300, 'x')), "12c\r\n" + std::string(300, 'x') + "\r\n");
 }
@@ -75,7 +75,7 @@ Request upgrade() {
     return request;
 }
 
-TEST(WebSocketRequest, is_a_get_that_asks_for_it) {
+TEST(WebSocketRequest, is_a_get_with_upgrade_headers) {
     EXPECT_TRUE(is_web_socket(upgrade()));
     EXPECT_EQ(web_socket_fault(upgrade()).status, 200u);
     for (const auto change :
@@ -88,7 +88,7 @@ TEST(WebSocketRequest, is_a_get_that_asks_for_it) {
     }
 }
 
-TEST(WebSocketRequest, of_another_version_or_without_a_key_is_told) {
+TEST(WebSocketRequest, of_another_version_or_without_a_key_is_rejected) {
     Request old = upgrade(), keyless = upgrade();
     old.headers[2].value = "8";
     keyless.headers[3].value = "short";

@@ -29,7 +29,7 @@ TEST(ResponseReader, reads_a_response_however_it_is_cut) {
     }
 }
 
-TEST(ResponseReader, gives_the_body_of_a_stream_as_it_comes) {
+TEST(ResponseReader, returns_the_body_of_a_stream_as_it_arrives) {
     ResponseReader reader;
     EXPECT_EQ(body_of(reader, ok + "Transfer-Encoding: chunked\r\n\r\n3\r\nabc\r\n2\r\nd"), "abcd");
     EXPECT_EQ(reader.take_body(), "");
@@ -38,7 +38,7 @@ TEST(ResponseReader, gives_the_body_of_a_stream_as_it_comes) {
     EXPECT_FALSE(reader.is_done());
 }
 
-TEST(ResponseReader, knows_the_end_of_a_stream) {
+TEST(ResponseReader, detects_the_end_of_a_stream) {
     for (const std::string end :
          {"0\r\n\r\n", "0;why=not\r\n\r\n", "00\r\nDigest: 1\r\nEtag: 2\r\n\r\n", "0\r\nno field\r\n\r\n"})
         for (const std::size_t step : {1u, 2u, 3u, 1000u})
@@ -50,7 +50,7 @@ TEST(ResponseReader, knows_the_end_of_a_stream) {
             }
 }
 
-TEST(ResponseReader, takes_a_body_without_a_length_up_to_the_end) {
+TEST(ResponseReader, reads_a_body_without_a_length_up_to_the_end_of_the_connection) {
     ResponseReader reader;
     EXPECT_EQ(body_of(reader, "HTTP/1.0 200 OK\r\n\r\nbody"), "body");
     EXPECT_FALSE(reader.is_done());
@@ -58,7 +58,7 @@ TEST(ResponseReader, takes_a_body_without_a_length_up_to_the_end) {
     EXPECT_TRUE(reader.is_done());
 }
 
-TEST(ResponseReader, refuses_what_ends_too_early) {
+TEST(ResponseReader, rejects_a_truncated_response) {
     for (const std::string& part :
          {std::string{}, ok, ok + "Content-Length: 4\r\n\r\nbod", ok + "Transfer-Encoding: chunked\r\n\r\n3\r\nabc\r\n"}) {
         ResponseReader reader;
@@ -70,7 +70,7 @@ TEST(ResponseReader, refuses_what_ends_too_early) {
     }
 }
 
-TEST(ResponseReader, refuses_what_is_no_response) {
+TEST(ResponseReader, rejects_bytes_that_are_not_a_response) {
     for (const std::string& bytes :
          {std::string{"SSH-2.0-OpenSSH_9.2p1\r\n\r\n"}, std::string{"HTTP/2.0 200 OK\r\n\r\n"}, ok + "Content-Length: -1\r\n\r\n",
           ok + "Transfer-Encoding: chunked\r\n\r\nxyz\r\nabc\r\n", std::string(100, '\0')})
@@ -82,7 +82,7 @@ TEST(ResponseReader, refuses_what_is_no_response) {
         }
 }
 
-TEST(ResponseReader, holds_no_more_than_its_limits_and_what_came) {
+TEST(ResponseReader, stores_no_more_than_its_limits_and_the_received_bytes) {
     ResponseReader long_head{1000};
     body_of(long_head, ok + "X: " + std::string(2000, 'x'), 100);
     EXPECT_NE(long_head.fault(), "");

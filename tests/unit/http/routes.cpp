@@ -45,7 +45,7 @@ protected:
     }
 };
 
-TEST_F(RoutesTest, the_row_of_method_and_path_answers) {
+TEST_F(RoutesTest, the_row_of_method_and_path_is_used) {
     EXPECT_EQ(said("GET", "/status"), "GET /status");
     EXPECT_EQ(said("HEAD", "/status"), "GET /status");
     EXPECT_EQ(said("POST", "/gpio"), "POST /gpio");
@@ -59,12 +59,12 @@ TEST_F(RoutesTest, parameters_and_query_are_decoded) {
     EXPECT_EQ(said("GET", "/devices/0xDC/parameters?n=a%26b+c&d"), "GET /devices/{device}/parameters device=0xDC ?n=a&b c ?d=");
 }
 
-TEST_F(RoutesTest, of_rows_that_fit_the_first_counts) {
+TEST_F(RoutesTest, the_first_matching_row_is_used) {
     add("GET", "/links/all");
     EXPECT_EQ(said("GET", "/links/all"), "GET /links/{name} name=all");
 }
 
-TEST_F(RoutesTest, a_bad_encoding_is_refused_in_words) {
+TEST_F(RoutesTest, an_invalid_percent_encoding_is_rejected_with_an_explanation) {
     for (const char* target : {"/links/%", "/links/a%2", "/links/%zz"}) {
         EXPECT_EQ(ask("GET", target).status, 400u) << target;
         EXPECT_NE(said("GET", target).find("the path has a %"), std::string::npos) << target;
@@ -75,7 +75,7 @@ TEST_F(RoutesTest, a_bad_encoding_is_refused_in_words) {
     EXPECT_NE(said("GET", "/status?a=%").find("the query has a %"), std::string::npos);
 }
 
-TEST_F(RoutesTest, another_method_is_told_which_ones_there_are) {
+TEST_F(RoutesTest, the_response_for_an_unsupported_method_lists_the_supported_ones) {
     const Response posted = ask("POST", "/status");
     EXPECT_EQ(posted.status, 405u);
     EXPECT_EQ(posted.headers, (std::vector<Field>{{"Allow", "GET, HEAD"}}));
@@ -87,7 +87,7 @@ TEST_F(RoutesTest, another_method_is_told_which_ones_there_are) {
     EXPECT_EQ(ask("get", "/status").status, 405u) << "methods have capitals";
 }
 
-TEST_F(RoutesTest, a_path_that_is_not_there_is_told_the_nearest) {
+TEST_F(RoutesTest, the_response_for_an_unknown_path_suggests_the_nearest_one) {
     const std::string nothing = "{\"error\": \"this path does not exist";
     EXPECT_EQ(not_there("/statsu"), nothing + " (did you mean '/status'?)\", \"what\": \"unknown\"}\n");
     EXPECT_EQ(not_there("/status/"), nothing + " (did you mean '/status'?)\", \"what\": \"unknown\"}\n");
@@ -98,13 +98,13 @@ TEST_F(RoutesTest, a_path_that_is_not_there_is_told_the_nearest) {
     EXPECT_EQ(not_there("/"), nothing + "; try /status\", \"what\": \"unknown\"}\n");
 }
 
-TEST_F(RoutesTest, what_only_looks_like_a_path_is_not_there) {
+TEST_F(RoutesTest, a_target_that_only_resembles_a_path_is_not_found) {
     for (const char* target : {"", "*", "status", "//status", "/status//", "/links/", "/links", "/links/a/b", "http://status"})
         EXPECT_EQ(ask("GET", target).status, 404u) << target;
     EXPECT_EQ(ask("GET", "/" + std::string(8000, '/')).status, 404u);
 }
 
-TEST_F(Table, without_rows_has_nothing) {
+TEST_F(Table, without_rows_finds_no_path) {
     EXPECT_EQ(not_there("/status"), "{\"error\": \"this path does not exist\", \"what\": \"unknown\"}\n");
 }
 

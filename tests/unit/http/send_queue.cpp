@@ -9,7 +9,7 @@ using enum WebSocket::Kind;
 
 WebSocket::Message message(std::size_t size) { return std::make_shared<const std::string>(size, 'x'); }
 
-TEST(SendQueue, gives_what_it_was_given_in_order) {
+TEST(SendQueue, returns_messages_in_order) {
     SendQueue queue{100};
     EXPECT_TRUE(queue.empty());
     EXPECT_TRUE(queue.push(message(10), text));
@@ -25,7 +25,7 @@ TEST(SendQueue, gives_what_it_was_given_in_order) {
     EXPECT_EQ(queue.bytes(), 0u);
 }
 
-TEST(SendQueue, refuses_what_does_not_fit_and_keeps_the_rest) {
+TEST(SendQueue, rejects_a_message_that_does_not_fit_and_keeps_the_others) {
     SendQueue queue{100};
     EXPECT_FALSE(queue.push(message(101), text));
     EXPECT_TRUE(queue.push(message(60), text));

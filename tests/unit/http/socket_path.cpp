@@ -12,7 +12,7 @@ namespace {
 
 constexpr char system_wide[] = "/run/anogate/control.sock";
 
-TEST(SocketPath, is_where_the_settings_say) {
+TEST(SocketPath, is_the_path_in_the_settings) {
     EXPECT_EQ(control_socket("/tmp/x.sock", {true, ""}), "/tmp/x.sock");
     EXPECT_EQ(control_socket("/tmp/x.sock", {false, "/run/user/1000"}), "/tmp/x.sock");
     EXPECT_EQ(control_socket("none", {true, ""}), std::nullopt);
@@ -27,11 +27,11 @@ TEST(SocketPath, of_a_user_is_in_the_runtime_folder) {
     EXPECT_EQ(control_socket("", {false, "/run/user/1000"}), "/run/user/1000/anogate.sock");
 }
 
-TEST(SocketPath, of_a_user_without_a_runtime_folder_is_the_one_whose_error_tells_why) {
+TEST(SocketPath, of_a_user_without_a_runtime_folder_is_the_path_of_the_system) {
     EXPECT_EQ(control_socket("", {false, ""}), system_wide);
 }
 
-TEST(SocketPath, a_client_looks_where_a_gateway_of_his_would_be) {
+TEST(SocketPath, of_a_client_is_that_of_a_gateway_of_the_same_user) {
     const support::TempDir folder;
     const std::string own = folder.write("anogate.sock", "");
     EXPECT_EQ(socket_to_ask("", {false, folder.path().string()}), own);
@@ -39,7 +39,7 @@ TEST(SocketPath, a_client_looks_where_a_gateway_of_his_would_be) {
     EXPECT_EQ(socket_to_ask("", {true, folder.path().string()}), system_wide);
 }
 
-TEST(SocketPath, only_folders_of_its_own_are_made) {
+TEST(SocketPath, may_create_only_folders_of_the_gateway) {
     for (const char* own : {"/run/anogate", "/run/anogate/more", "/run/anogate-left", "/run/anogate-left/x", "/var/log/anogate",
                             "/run/user/1000", "/run/user/1000/anogate"})
         EXPECT_TRUE(is_own_folder(own, "/run/user/1000")) << own;
@@ -49,7 +49,7 @@ TEST(SocketPath, only_folders_of_its_own_are_made) {
     EXPECT_FALSE(is_own_folder("/run/user/1000", ""));
 }
 
-TEST(SocketPath, a_path_where_none_can_be_is_told) {
+TEST(SocketPath, that_cannot_be_used_is_reported) {
     const support::TempDir folder;
     const std::string here = folder.path().string();
     const Runner runner{true, here + "/xdg"};

@@ -28,7 +28,7 @@ TEST(Target, is_a_path_and_a_query) {
     }
 }
 
-TEST(PercentDecoded, bytes_are_themselves_and_two_digits_are_one_byte) {
+TEST(PercentDecoded, converts_a_percent_sign_and_two_digits_to_one_byte_and_keeps_other_bytes) {
     EXPECT_EQ(percent_decoded(""), "");
     EXPECT_EQ(percent_decoded("fc"), "fc");
     EXPECT_EQ(percent_decoded("a%20b%2Fc%2fd"), "a b/c/d");
@@ -39,12 +39,12 @@ TEST(PercentDecoded, bytes_are_themselves_and_two_digits_are_one_byte) {
     EXPECT_EQ(percent_decoded("%2525"), "%25") << "once";
 }
 
-TEST(PercentDecoded, what_is_no_byte_is_refused) {
+TEST(PercentDecoded, rejects_an_invalid_byte) {
     for (const char* bad : {"%", "a%", "%2", "%2g", "%g2", "% 2", "%-1", "%+1", "%0x", "%%20", "a%2", "%00"})
         EXPECT_EQ(percent_decoded(bad), std::nullopt) << bad;
 }
 
-TEST(Query, has_names_with_values_in_their_order) {
+TEST(Query, contains_names_and_values_in_order) {
     EXPECT_EQ(parse_query(""), std::vector<Field>{});
     EXPECT_EQ(parse_query("&&"), std::vector<Field>{});
     EXPECT_EQ(parse_query("dry_run"), (std::vector<Field>{{"dry_run", ""}}));
@@ -54,7 +54,7 @@ TEST(Query, has_names_with_values_in_their_order) {
     for (const char* bad : {"%", "a=%2", "a=1&%zz=2", "a=%00"}) EXPECT_EQ(parse_query(bad), std::nullopt) << bad;
 }
 
-TEST(Query, goes_on_without_a_value) {
+TEST(Query, keeps_the_other_values_when_one_is_removed) {
     EXPECT_EQ(without_query_value("/a?token=x", "token"), "/a");
     EXPECT_EQ(without_query_value("/a?b=1&token=x&c", "token"), "/a?b=1&c");
     EXPECT_EQ(without_query_value("/a?token&tok%65n=y&b", "token"), "/a?b");

@@ -20,13 +20,13 @@ std::string fault_of(std::string_view text) {
     return tokens ? "" : tokens.error();
 }
 
-TEST(TokenFile, has_a_right_and_a_token_a_line) {
+TEST(TokenFile, contains_a_right_and_a_token_per_line) {
     const auto tokens = parse_tokens("# mine\n\nview " + long_enough + "\r\n  control\t" + long_enough + "-._~+/=  ");
     ASSERT_TRUE(tokens) << tokens.error();
     EXPECT_EQ(*tokens, (std::vector<Token>{{Access::view, long_enough}, {Access::control, long_enough + "-._~+/="}}));
 }
 
-TEST(TokenFile, with_a_fault_names_the_line_and_never_what_stands_there) {
+TEST(TokenFile, with_an_error_is_reported_by_line_number_without_its_content) {
     EXPECT_EQ(fault_of("view " + long_enough + "\nadmin " + long_enough),
               "line 2: a line must be 'view TOKEN' or 'control TOKEN'");
     for (const std::string bad :
@@ -38,7 +38,7 @@ TEST(TokenFile, with_a_fault_names_the_line_and_never_what_stands_there) {
         EXPECT_NE(fault_of(none).find("it contains no token"), std::string::npos);
 }
 
-TEST(TokenFile, that_is_missing_is_made_for_us_alone) {
+TEST(TokenFile, that_is_missing_is_created_for_its_owner_only) {
     support::TempDir dir;
     const std::string path = dir / "state/anogate/token";
     const auto made = read_or_make_tokens(path);
@@ -55,7 +55,7 @@ TEST(TokenFile, that_is_missing_is_made_for_us_alone) {
     EXPECT_EQ(std::distance(std::filesystem::directory_iterator{dir / "state/anogate"}, {}), 1) << "nothing is left beside it";
 }
 
-TEST(TokenFile, is_judged_without_being_made) {
+TEST(TokenFile, is_checked_without_being_created) {
     support::TempDir dir;
     const auto fault = [](const std::string& path) {
         const auto checked = check_tokens(path);
@@ -75,7 +75,7 @@ TEST(TokenFile, is_judged_without_being_made) {
     }
 }
 
-TEST(TokenFile, that_everybody_may_read_is_refused) {
+TEST(TokenFile, that_every_user_can_read_is_rejected) {
     support::TempDir dir;
     const std::string path = dir / "token";
     std::ofstream{path} << "view " << long_enough << "\n";
@@ -87,7 +87,7 @@ TEST(TokenFile, that_everybody_may_read_is_refused) {
     EXPECT_TRUE(read_or_make_tokens(path));
 }
 
-TEST(TokenFile, that_is_not_a_file_or_cannot_be_made_is_told) {
+TEST(TokenFile, that_is_not_a_file_or_cannot_be_created_is_reported) {
     support::TempDir dir;
     EXPECT_EQ(read_or_make_tokens(dir.path().string()).error(), dir.path().string() + ": is not a file");
     ASSERT_EQ(::mkfifo((dir / "pipe").c_str(), 0600), 0);

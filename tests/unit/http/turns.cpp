@@ -5,7 +5,7 @@
 namespace anogate::http::turns_tests {
 namespace {
 
-TEST(Turns, whoever_waits_longest_is_next) {
+TEST(Turns, the_entry_that_waits_longest_is_next) {
     Turns<int, char> turns;
     EXPECT_TRUE(turns.wait(1, 'a', false)) << "to be arranged";
     EXPECT_FALSE(turns.wait(2, 'a', false)) << "it is";
@@ -20,7 +20,7 @@ TEST(Turns, whoever_waits_longest_is_next) {
     EXPECT_TRUE(turns.wait(4, 'a', false));
 }
 
-TEST(Turns, who_left_gets_none) {
+TEST(Turns, a_removed_entry_has_no_turn) {
     Turns<int, char> turns;
     turns.wait(1, 'a', false);
     turns.wait(2, 'a', false);
@@ -36,7 +36,7 @@ TEST(Turns, who_left_gets_none) {
     EXPECT_FALSE(turns.is_arranged());
 }
 
-TEST(Turns, those_that_go_first_come_before_all_others) {
+TEST(Turns, entries_with_priority_precede_all_others) {
     Turns<int, char> turns;
     for (int i = 0; i < 20; ++i) turns.wait(i, 'a', false);
     turns.wait(100, 'b', true);
@@ -44,7 +44,7 @@ TEST(Turns, those_that_go_first_come_before_all_others) {
     EXPECT_EQ(turns.next(), 0);
 }
 
-TEST(Turns, every_client_has_one_between_two_of_another) {
+TEST(Turns, every_client_has_a_turn_between_two_turns_of_another) {
     Turns<int, char> turns;
     for (int i = 0; i < 20; ++i) turns.wait(i, 'a', false);
     turns.wait(100, 'b', false);

@@ -12,7 +12,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 // A program that reads numbers as doubles would round them.
-TEST(AnswerJson, numbers_that_a_double_does_not_hold_are_text) {
+TEST(AnswerJson, writes_numbers_that_do_not_fit_a_double_as_text) {
     const Json json{{"fits", std::uint64_t{1} << 53},
                     {"beyond", (std::uint64_t{1} << 53) + 1},
                     {"most", std::numeric_limits<std::uint64_t>::max()},
@@ -25,7 +25,7 @@ TEST(AnswerJson, numbers_that_a_double_does_not_hold_are_text) {
               "\"within\":[{\"n\":\"1152921504606846976\"},1e+300,1.5]}\n");
 }
 
-TEST(AnswerJson, bytes_that_are_no_text_are_shown_as_such) {
+TEST(AnswerJson, replaces_bytes_that_are_not_text) {
     EXPECT_EQ(line_of(Json{{"name", "a\xFF"}}), "{\"name\":\"a\xEF\xBF\xBD\"}\n");
 }
 

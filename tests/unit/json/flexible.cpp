@@ -97,7 +97,7 @@ TEST(FlexibleJson, layouts_decode_and_encode) {
     EXPECT_EQ(std::get<JsonFault>(wrong).what, "flexible2 has no field 'y'");
 }
 
-TEST(FlexibleJson, arrays_byte_order_and_the_first_field) {
+TEST(FlexibleJson, layouts_support_arrays_byte_order_and_selection_by_the_first_field) {
     FlexibleLayouts layouts;
     const char* const text = R"([
         {"endian": "big", "fields": [{"name": "kind", "type": "u8"}, {"name": "a", "count": 2, "scale": 0.1, "type": "i16"}],
@@ -126,7 +126,7 @@ TEST(FlexibleJson, arrays_byte_order_and_the_first_field) {
               "flexible1 has no layout in the configuration with all of these fields and values");
 }
 
-TEST(FlexibleJson, faults_name_their_place) {
+TEST(FlexibleJson, faults_show_their_location) {
     EXPECT_EQ(faults_of(R"([{"id": 241, "endian": "middle", "fields": [{"name": "a", "type": "u8"}]}])"),
               Lines{"/flexible/0/endian: must be \"little\" or \"big\""});
     EXPECT_EQ(faults_of(R"([{"id": 241, "when": 300, "fields": [{"name": "a", "type": "u8"}]}])"),

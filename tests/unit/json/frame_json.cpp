@@ -46,7 +46,7 @@ support::Bytes random_data(support::Random& random) {
     return data;
 }
 
-TEST(FrameJson, every_frame_survives_the_way_there_and_back) {
+TEST(FrameJson, every_frame_is_unchanged_after_conversion_to_json_and_back) {
     support::Random random{7};
     for (unsigned round = 0; round < (support::sanitized ? 20u : 100u); ++round) {
         for (unsigned id = 0; id < 256; ++id) {
@@ -64,7 +64,7 @@ TEST(FrameJson, every_frame_survives_the_way_there_and_back) {
     }
 }
 
-TEST(FrameJson, stands_in_the_order_of_the_table) {
+TEST(FrameJson, lists_fields_in_the_order_of_the_table) {
     const auto bytes = support::frame(220, 254, 4, {0x7B, 0, 0, 0, 0, 0, 0, 0, 1});
     EXPECT_EQ(
         json_of(bytes).dump(),
@@ -73,17 +73,17 @@ TEST(FrameJson, stands_in_the_order_of_the_table) {
               R"({"from":220,"to":254,"id":96,"name":"waypoint_read","fields":{"num":5},"extra":"abcd"})");
 }
 
-TEST(FrameJson, data_wins) {
+TEST(FrameJson, data_takes_precedence_over_fields) {
     EXPECT_EQ(data_of(R"({"name": "euler", "fields": {"rol": "nonsense"}, "extra": 5, "data": "0102"})"), (support::Bytes{1, 2}));
 }
 
-TEST(FrameJson, what_is_left_out_is_zero_and_the_addresses_are_host_to_all) {
+TEST(FrameJson, omitted_fields_are_zero_and_omitted_addresses_are_host_and_broadcast) {
     EXPECT_EQ(hex(bytes_of(Json::parse(R"({"name": "wind", "fields": {"wind_y": -1}})"))),
               hex(support::frame(254, 255, 9, {0, 0, 0xFF, 0xFF})));
     EXPECT_EQ(bytes_of(Json::parse(R"({"id": "0x77", "from": "0xDC", "to": 1, "data": ""})")), support::frame(0xDC, 1, 0x77));
 }
 
-TEST(FrameJson, takes_the_first_layout_that_has_all_fields_base_first) {
+TEST(FrameJson, uses_the_first_layout_that_has_all_fields_starting_with_the_base) {
     EXPECT_EQ(data_of(R"({"name": "power", "fields": {"voltage": 1}})").size(), 4u);
     EXPECT_EQ(data_of(R"({"name": "power", "fields": {"voltage2": 1}})").size(), 10u);
     EXPECT_EQ(data_of(R"({"name": "position", "fields": {"pos_x": 1, "pos_y": 1}})").size(), 12u);
@@ -101,12 +101,12 @@ TEST(FrameJson, takes_the_first_layout_that_has_all_fields_base_first) {
     EXPECT_EQ(data_of(R"({"name": "firmware", "fields": {"frame_num": 1, "data": "ff"}})"), (support::Bytes{16, 1, 0, 0xFF}));
 }
 
-TEST(FrameJson, numbers_may_be_texts_as_in_c) {
+TEST(FrameJson, numbers_may_be_texts_in_c_notation) {
     EXPECT_EQ(data_of(R"({"name": "mode", "fields": {"mode": "0xDC", "cid": "1e1", "cmd0": 7.0}})"),
               (support::Bytes{0xDC, 0, 10, 7, 0}));
 }
 
-TEST(FrameJson, null_is_no_data_where_there_is_such_a_value) {
+TEST(FrameJson, null_means_no_data_for_fields_that_have_such_a_value) {
     EXPECT_EQ(data_of(R"({"name": "general_velocity", "fields": {"speed_x": null}})"), (support::Bytes{0, 0x80, 0, 0, 0, 0}));
     EXPECT_EQ(data_of(R"({"name": "log_value", "fields": {"val": null}})"), (support::Bytes{0, 0, 0xC0, 0x7F}));
     EXPECT_EQ(fault_of(R"({"name": "velocity", "fields": {"speed_x": null}})"),
@@ -135,7 +135,7 @@ TEST(FrameJson, faults_name_the_field_and_its_range) {
               "/fields/points/1/angle: ranging angle: 700 is out of range (u16, 0 to 655.35 °)");
 }
 
-TEST(FrameJson, faults_name_the_word_that_was_meant) {
+TEST(FrameJson, faults_suggest_the_intended_word) {
     EXPECT_EQ(fault_of(R"({"name": "eular", "fields": {}})"), "/name: there is no message 'eular' (did you mean 'euler'?)");
     EXPECT_EQ(fault_of(R"({"name": "euler", "fields": {"roll": 1}})"),
               "/fields/roll: euler has no field 'roll' (did you mean 'rol'?)");
@@ -147,7 +147,7 @@ TEST(FrameJson, faults_name_the_word_that_was_meant) {
               "/fields/points/0/angel: ranging points: no field 'angel' (did you mean 'angle'?)");
 }
 
-TEST(FrameJson, faults_of_the_frame_itself) {
+TEST(FrameJson, faults_of_the_frame_itself_are_reported) {
     EXPECT_EQ(fault_of("5"), ": 5 is not an object");
     EXPECT_EQ(fault_of("{}"), ": a frame needs a name or an id");
     EXPECT_EQ(fault_of(R"({"id": 256})"), "/id: id: 256 is not a number from 0 to 255");
@@ -163,7 +163,7 @@ TEST(FrameJson, faults_of_the_frame_itself) {
     EXPECT_EQ(fault_of(R"({"name": "log", "fields": {"str": "a\u0000b"}})"), "/fields/str: log str: text can't hold a NUL");
 }
 
-TEST(FrameJson, a_fault_inside_a_tunnel_names_the_way_to_it) {
+TEST(FrameJson, a_fault_inside_a_tunnel_shows_its_path) {
     EXPECT_EQ(
         fault_of(R"({"name": "ip_tunnel", "fields": {"frames": [{"name": "wind"}, {"name": "mode", "fields": {"mode": -1}}]}})"),
         "/fields/frames/1/fields/mode: mode mode: -1 is out of range (u8, 0 to 255)");
@@ -171,7 +171,7 @@ TEST(FrameJson, a_fault_inside_a_tunnel_names_the_way_to_it) {
               "/fields/frames/0/fields/frames: ip_tunnel frames: a tunnel frame inside a tunnel frame is given as its data");
 }
 
-TEST(FrameJson, gbk_text_is_read_and_written_when_asked) {
+TEST(FrameJson, gbk_text_is_read_and_written_if_selected) {
     const support::Bytes text{0, 0xBD, 0xE2, 0xCB, 0xF8};    // colour, then two characters
     const auto bytes = support::frame(220, 254, 0xA0, text);
     EXPECT_EQ(json_of(bytes, {nullptr, Encoding::gbk})["fields"]["str"], "解锁");
@@ -183,14 +183,14 @@ TEST(FrameJson, gbk_text_is_read_and_written_when_asked) {
 }
 
 // Many headers, each of which claims all the rest: checked one by one, this would take minutes.
-TEST(FrameJson, a_tunnel_full_of_heads_costs_linear_time) {
+TEST(FrameJson, a_tunnel_full_of_header_bytes_takes_linear_time) {
     const auto bytes = support::frame(1, 2, 0xB1, support::Bytes(65535, 0xAB));
     const Json json = json_of(bytes);
     EXPECT_TRUE(json["fields"]["frames"].empty());
     EXPECT_EQ(bytes_of(json), bytes);
 }
 
-TEST(FrameJson, floats_print_as_short_as_they_can) {
+TEST(FrameJson, floats_are_printed_in_their_shortest_form) {
     const auto bytes = support::frame(1, 2, 0xA1, {0xCD, 0xCC, 0xCC, 0x3D});
     EXPECT_EQ(json_of(bytes)["fields"].dump(), R"({"val":0.1,"str":""})");
 }

@@ -54,7 +54,7 @@ TEST(JsonWriter, leaves_out_members_that_are_null) {
               R"({"b":"null","d":7})");
 }
 
-TEST(JsonWriter, texts_and_numbers_are_what_the_library_dumps) {
+TEST(JsonWriter, writes_texts_and_numbers_like_the_library) {
     for (std::uint64_t seed = 0; seed < support::trials(5000); ++seed) {
         support::Random random{seed};
         std::string text(random.below(12u), 'a');

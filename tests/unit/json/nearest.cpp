@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::string_view keys[] = {"baud", "parity", "stop_bits", "flow", "flood", "peer_timeout", "id"};
 
-TEST(Nearest, finds_slips_of_the_finger) {
+TEST(Nearest, finds_words_with_typing_errors) {
     EXPECT_EQ(nearest("bauds", keys), "baud");
     EXPECT_EQ(nearest("buad", keys), "baud");
     EXPECT_EQ(nearest("di", keys), "id") << "two letters swapped are one slip";
@@ -20,7 +20,7 @@ TEST(Nearest, finds_slips_of_the_finger) {
     EXPECT_EQ(nearest("fload", keys), "flood");
 }
 
-TEST(Nearest, of_two_that_differ_in_upper_case_only_takes_the_one_that_is_written_alike) {
+TEST(Nearest, prefers_the_word_in_the_same_case_if_two_differ_only_in_case) {
     constexpr std::array<std::string_view, 2> upper_first{"FLIGHT", "flight"}, lower_first{"flight", "FLIGHT"};
     for (const auto& both : {upper_first, lower_first}) {
         EXPECT_EQ(nearest("fligth", both), "flight");
@@ -36,13 +36,13 @@ TEST(Nearest, finds_the_word_that_a_longer_one_begins_with) {
     EXPECT_EQ(nearest("identity", keys), "") << "two letters say nothing";
 }
 
-TEST(Nearest, prefers_the_word_that_was_begun) {
+TEST(Nearest, prefers_the_word_that_starts_with_the_input) {
     constexpr std::string_view choices[] = {"auto", "on", "off"};
     EXPECT_EQ(nearest("of", choices), "off");
     EXPECT_EQ(nearest("o", choices), "on");
 }
 
-TEST(Nearest, knows_a_number_in_hex_without_its_0x) {
+TEST(Nearest, recognizes_a_hex_number_without_0x) {
     for (const char* word : {"DC", "dc", "$DC", "#DC", "xDC", "DCh", "\\xDC"})
         EXPECT_EQ(did_you_mean_hex(word), " (did you mean '0xDC'?)") << word;
     EXPECT_EQ(did_you_mean_hex("b"), " (did you mean '0xB'?)");
@@ -52,7 +52,7 @@ TEST(Nearest, knows_a_number_in_hex_without_its_0x) {
         EXPECT_EQ(did_you_mean_hex(word), "") << word;
 }
 
-TEST(Nearest, suggests_nothing_for_what_is_far) {
+TEST(Nearest, suggests_nothing_for_a_word_that_is_too_different) {
     EXPECT_EQ(nearest("encryption", keys), "");
     EXPECT_EQ(nearest("xx", keys), "");
     EXPECT_EQ(nearest("bax", keys), "") << "one slip in so few letters, no two";
@@ -63,7 +63,7 @@ TEST(Nearest, suggests_nothing_for_what_is_far) {
     EXPECT_EQ(nearest("baud", {}), "");
 }
 
-TEST(Nearest, asks_whether_it_was_meant) {
+TEST(Nearest, formats_a_did_you_mean_hint) {
     EXPECT_EQ(did_you_mean("bauds", keys), " (did you mean 'baud'?)");
     EXPECT_EQ(did_you_mean("encryption", keys), "");
 }

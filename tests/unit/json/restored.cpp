@@ -75,7 +75,7 @@ void expect_data_where_needed(const Bytes& frame, const JsonOptions& options, st
     EXPECT_EQ(has_data, bytes == nullptr || *bytes != frame || has_no_number(reading)) << what << ' ' << json.dump();
 }
 
-TEST(Restored, every_layout_has_data_just_where_its_fields_do_not_make_the_frame) {
+TEST(Restored, layouts_have_data_exactly_if_their_fields_do_not_restore_the_frame) {
     for (const Message& row : messages)
         for (std::uint64_t seed = 0; seed < support::trials(60); ++seed) {
             Random random{seed};
@@ -84,7 +84,7 @@ TEST(Restored, every_layout_has_data_just_where_its_fields_do_not_make_the_frame
         }
 }
 
-TEST(Restored, so_do_flexible_ones_whose_layouts_have_the_same_fields) {
+TEST(Restored, flexible_layouts_with_equal_fields_have_data_exactly_if_fields_do_not_restore_the_frame) {
     FlexibleLayouts layouts;
     ASSERT_FALSE(layouts.add({.id = 0xF1, .fields = {{"kind", Type::u8, 1, ""}, {"x", Type::f32, 1, ""}}, .when = 1}));
     ASSERT_FALSE(layouts.add(

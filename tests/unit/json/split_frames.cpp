@@ -32,14 +32,14 @@ std::string parts(const Bytes& bytes) {
     return text;
 }
 
-TEST(SplitFrames, gives_frames_and_what_stands_between_them) {
+TEST(SplitFrames, returns_frames_and_the_bytes_between_them) {
     const Bytes frame = support::frame(0xDC, 0xFE, 0x01, Bytes(12));
     EXPECT_EQ(parts({}), "");
     EXPECT_EQ(parts(frame + frame), "[20] [20]");
     EXPECT_EQ(parts(Bytes{1, 2} + frame + Bytes{3} + frame + Bytes{4}), "2 [20] 1 [20] 1");
 }
 
-TEST(SplitFrames, finds_one_behind_a_header_whose_frame_would_end_behind_the_bytes) {
+TEST(SplitFrames, finds_a_frame_after_a_header_whose_frame_would_exceed_the_bytes) {
     EXPECT_EQ(parts(Bytes{ano::head, 0xDC, 0xFE, 0x01, 20, 0} + support::frame(0xDC, 0xFE, 0x01, Bytes(12))), "6 [20]");
 }
 

@@ -15,7 +15,7 @@ std::vector<JsonFault> faults_of(std::string_view text) {
     return faults;
 }
 
-TEST(StrictJson, faults_have_their_places) {
+TEST(StrictJson, faults_show_their_location) {
     EXPECT_TRUE(faults_of(R"({"a": [1, {"b": 2}, {"b": 3}], "b": null})").empty());
     const auto twice = faults_of(R"({"a": [1, {"b": 2, "b": 3}]})");
     ASSERT_EQ(twice.size(), 1u);
@@ -44,7 +44,7 @@ void is_read_as_the_library_does(const std::string& text) {
     EXPECT_EQ(ours->dump(), Document::parse(text, nullptr, true, true).dump());
 }
 
-TEST(StrictJson, documents_are_those_of_the_library) {
+TEST(StrictJson, documents_match_those_of_the_library) {
     for (const char* text :
          {"null", "-5", "18446744073709551615", "1e3", "\"\\u20ac\"", "[]", "{}", "[[], {}, [{}]]", "// a\n[1 /* b */, 2]",
           R"({"z": {"y": [true, {"x": null, "w": {"v": 1.5}}], "u": "t"}, "a": [[1], [2, [3]]], "b": {}})"}) {

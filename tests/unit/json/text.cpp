@@ -24,7 +24,7 @@ std::string utf8(std::string_view text, Encoding encoding = Encoding::utf8) {
     return to_utf8({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}, encoding);
 }
 
-TEST(Text, replaces_what_is_not_utf8) {
+TEST(Text, that_is_not_utf8_is_replaced) {
     const std::string r = "\xEF\xBF\xBD";
     EXPECT_EQ(utf8("plain"), "plain");
     EXPECT_EQ(utf8("β 说 🚁"), "β 说 🚁");
@@ -36,7 +36,7 @@ TEST(Text, replaces_what_is_not_utf8) {
     EXPECT_EQ(utf8("\xE8\xAFz"), r + "z");
 }
 
-TEST(Text, of_any_bytes_is_utf8_in_both_encodings) {
+TEST(Text, of_any_bytes_is_converted_to_utf8_from_every_encoding) {
     support::Random random{3};
     for (int round = 0; round < 2000; ++round) {
         std::string bytes(random.below(12u), '\0');
@@ -46,7 +46,7 @@ TEST(Text, of_any_bytes_is_utf8_in_both_encodings) {
     }
 }
 
-TEST(Text, gbk_goes_there_and_back) {
+TEST(Text, in_gbk_is_converted_to_utf8_and_back) {
     EXPECT_EQ(utf8("\xBD\xE2\xCB\xF8", Encoding::gbk), "解锁");
     EXPECT_EQ(from_utf8("解锁", Encoding::gbk), "\xBD\xE2\xCB\xF8");
     EXPECT_EQ(from_utf8("🚁", Encoding::gbk), std::nullopt);
@@ -59,7 +59,7 @@ TEST(Text, gbk_goes_there_and_back) {
     EXPECT_EQ(utf8(*from_utf8(many, Encoding::gbk), Encoding::gbk), many);
 }
 
-TEST(Text, of_a_device_loses_only_the_character_that_is_cut) {
+TEST(Text, of_a_device_loses_only_a_truncated_character) {
     const std::string utf8_text = "横滚P", gbk_text = *from_utf8("横滚P", Encoding::gbk);
     EXPECT_EQ(shown_text(utf8_text.substr(0, 5), Encoding::utf8), "横");
     EXPECT_EQ(shown_text(utf8_text.substr(0, 4), Encoding::utf8), "横");
@@ -88,7 +88,7 @@ TEST(Text, of_any_bytes_can_be_shown) {
     }
 }
 
-TEST(Text, what_controls_or_reorders_a_terminal_is_escaped) {
+TEST(Text, that_controls_or_reorders_a_terminal_is_escaped) {
     const std::pair<const char*, const char*> rows[] = {{"a\u202Eb", "a\\u202eb"},
                                                         {"a\u200Bb", "a\\u200bb"},
                                                         {"\uFEFFx", "\\ufeffx"},
@@ -124,7 +124,7 @@ TEST(Text, what_controls_or_reorders_a_terminal_is_escaped) {
     EXPECT_EQ(in_quotes("a\u202Eb"), "'a\\u202eb'");
 }
 
-TEST(Text, of_a_sender_is_gbk_from_the_first_that_is_not_utf8) {
+TEST(Text, of_a_sender_is_gbk_from_the_first_text_that_is_not_utf8) {
     EncodingOfSender sender;
     for (const char* text : {"plain", "说明", "说\xE6", "\xC4\xA3", "\xFF\xFE", "a\xE6"}) {
         sender.learn(text);
@@ -140,7 +140,7 @@ TEST(Text, of_a_sender_is_gbk_from_the_first_that_is_not_utf8) {
     EXPECT_EQ(other.encoding(), Encoding::gbk);
 }
 
-TEST(Text, of_a_sender_that_is_valid_in_both_is_gbk_unless_another_shows_utf8) {
+TEST(Text, of_a_sender_that_is_valid_in_both_is_gbk_unless_another_text_proves_utf8) {
     const auto encoding_of = [](std::initializer_list<const char*> texts, bool vendor = false) {
         EncodingOfSender sender;
         sender.expect_gbk(vendor);
@@ -174,7 +174,7 @@ TEST(Text, of_a_sender_that_is_valid_in_both_is_gbk_unless_another_shows_utf8) {
     EXPECT_EQ(encoding_of({"plain"}, true), Encoding::utf8);
 }
 
-TEST(Text, automatic_is_gbk_where_it_is_not_utf8) {
+TEST(Text, in_automatic_encoding_is_gbk_if_it_is_not_utf8) {
     const auto text = [](std::string_view bytes) { return utf8(bytes, Encoding::automatic); };
     const std::string r = "\xEF\xBF\xBD";
     EXPECT_EQ(text("plain"), "plain");
@@ -187,7 +187,7 @@ TEST(Text, automatic_is_gbk_where_it_is_not_utf8) {
     EXPECT_EQ(from_utf8("解锁", Encoding::automatic), "解锁");
 }
 
-TEST(Number, is_read_as_c_writes_it) {
+TEST(Number, is_read_in_c_notation) {
     EXPECT_EQ(parse_number("0xDC"), Number{std::uint64_t{220}});
     EXPECT_EQ(parse_number("-0x10"), Number{std::int64_t{-16}});
     EXPECT_EQ(parse_number("+5"), Number{std::uint64_t{5}});
@@ -200,7 +200,7 @@ TEST(Number, is_read_as_c_writes_it) {
         EXPECT_EQ(parse_number(wrong), std::nullopt) << wrong;
 }
 
-TEST(Number, floats_widen_to_what_they_print_as) {
+TEST(Number, floats_widen_to_the_double_that_prints_the_same) {
     EXPECT_EQ(widened(0.1f), 0.1);
     EXPECT_EQ(widened(1e-45f), 1e-45);
     support::Random random{5};
@@ -211,7 +211,7 @@ TEST(Number, floats_widen_to_what_they_print_as) {
     }
 }
 
-TEST(Quotes, keep_a_terminal_from_obeying) {
+TEST(Quotes, escape_control_characters_for_a_terminal) {
     EXPECT_EQ(in_quotes("it's"), R"('it\'s')");
     EXPECT_EQ(in_quotes(std::string(200, 'a')), "'" + std::string(200, 'a') + "'");
     EXPECT_EQ(in_quotes(std::string(199, 'a') + "\xC3\xA9" + "bc"), "'" + std::string(199, 'a') + "\xC3\xA9" + "...'");
@@ -219,7 +219,7 @@ TEST(Quotes, keep_a_terminal_from_obeying) {
     EXPECT_EQ(in_quotes("\x1B[2J\n\x7F\xC2\x9B\xFF", '"'), "\"\\u001b[2J\\u000a\\u007f\\u009b\xEF\xBF\xBD\"");
 }
 
-TEST(Hex, is_digits_in_pairs) {
+TEST(Hex, consists_of_digits_in_pairs) {
     EXPECT_EQ(hex(std::vector<std::uint8_t>{0xAB, 1}), "ab01");
     EXPECT_EQ(hex_byte(0xDC), "0xDC");
     EXPECT_EQ(hex_byte(5), "0x05");

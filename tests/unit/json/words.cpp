@@ -31,7 +31,7 @@ std::string fault_of(std::string_view text, const JsonOptions& options = {}) {
     return fault != nullptr ? fault->what : "no fault";
 }
 
-TEST(Words, of_the_whole_table_are_read_back_as_what_they_mean) {
+TEST(Words, of_the_whole_table_are_read_back_with_the_same_meaning) {
     for (const Message& row : messages)
         for (const Field& f : row.fields()) {
             if (f.count != 1) continue;
@@ -48,7 +48,7 @@ TEST(Words, of_the_whole_table_are_read_back_as_what_they_mean) {
         }
 }
 
-TEST(Words, choose_the_layout_that_knows_them) {
+TEST(Words, select_the_layout_that_contains_them) {
     const support::Bytes save{0x10, 0xAB, 0};
     EXPECT_EQ(data_of(R"({"name": "parameter_command", "fields": {"cmd": "action", "val": "save"}})"), save);
     EXPECT_EQ(data_of(R"({"name": "parameter_command", "fields": {"cmd": 16, "val": "Save"}})"), save);
@@ -60,7 +60,7 @@ TEST(Words, choose_the_layout_that_knows_them) {
               (support::Bytes{0, 2, 0x10, 1, 0}));
 }
 
-TEST(Words, that_are_not_known_are_told_with_those_that_are) {
+TEST(Words, that_are_unknown_are_reported_with_the_known_ones) {
     EXPECT_EQ(fault_of(R"({"name": "log", "fields": {"color": "rde"}})"),
               "log color: 'rde' is not a number, nor default, red, green, blue (did you mean 'red'?)");
     EXPECT_EQ(fault_of(R"({"name": "parameter_command", "fields": {"cmd": "acton"}})"),
@@ -73,7 +73,7 @@ TEST(Words, that_are_not_known_are_told_with_those_that_are) {
               "parameter_command has no layout with all of these values");
 }
 
-TEST(Words, for_value_type_7_are_the_devices_own) {
+TEST(Words, for_value_type_7_depend_on_the_device) {
     constexpr JsonOptions text{};
     constexpr JsonOptions current{nullptr, Encoding::utf8, ValueType7::u64};
     const auto type = [](const char* word, const JsonOptions& options) {
@@ -88,7 +88,7 @@ TEST(Words, for_value_type_7_are_the_devices_own) {
               0u);
 }
 
-TEST(Words, of_addresses_are_taken) {
+TEST(Words, for_addresses_are_accepted) {
     const auto frame = frame_from_json(Json::parse(R"({"name": "check", "from": "Flight_Controller", "to": "broadcast"})"));
     ASSERT_TRUE(std::holds_alternative<support::Bytes>(frame));
     EXPECT_EQ(std::get<0>(frame)[1], 0xDC);
@@ -99,7 +99,7 @@ TEST(Words, of_addresses_are_taken) {
     EXPECT_EQ(fault_of(R"({"name": "check", "to": 300})"), "to: 300 is not a number from 0 to 255");
 }
 
-TEST(TypedValues, are_the_bytes_of_a_command) {
+TEST(TypedValues, are_encoded_as_the_bytes_of_a_command) {
     EXPECT_EQ(data_of(R"({"name": "command", "fields": {"cid0": 1, "values": "u16:100,i32:-5"}})"),
               (support::Bytes{1, 0, 0, 100, 0, 0xFB, 0xFF, 0xFF, 0xFF}));
     EXPECT_EQ(
@@ -109,7 +109,7 @@ TEST(TypedValues, are_the_bytes_of_a_command) {
     EXPECT_EQ(data_of(R"({"name": "command", "fields": {"values": ""}})"), (support::Bytes{0, 0, 0}));
 }
 
-TEST(TypedValues, are_the_value_of_a_parameter) {
+TEST(TypedValues, are_encoded_as_the_value_of_a_parameter) {
     EXPECT_EQ(data_of(R"({"name": "parameter_value", "fields": {"par_id": 3, "value": "f32:1.5"}})"),
               (support::Bytes{3, 0, 0, 0, 0xC0, 0x3F}));
     EXPECT_EQ(data_of(R"({"name": "parameter_value", "fields": {"value": "string:a:b,c"}})"),
@@ -125,7 +125,7 @@ std::string value_fault(const std::string& value, const std::string& more = "") 
     return fault_of(R"({"name": "parameter_value", "fields": {"value": ")" + value + "\"" + more + "}}");
 }
 
-TEST(TypedValues, that_cannot_be_are_told) {
+TEST(TypedValues, that_are_invalid_are_reported) {
     EXPECT_EQ(command_fault("u17:1"),
               "command values: there is no type 'u17' (did you mean 'u16'?); the types are u8, i8, u16, i16, u32, i32, "
               "u64, i64, f32, f64");
@@ -166,7 +166,7 @@ TEST(ParameterValue, that_is_shorter_than_its_type_is_refused) {
     EXPECT_EQ(data_of(R"({"name": "parameter_value", "fields": {"par_id": 7, "value": ""}, "data": "0700"})").size(), 2u);
 }
 
-TEST(ParameterInfo, of_an_old_device_is_written_by_its_fields) {
+TEST(ParameterInfo, of_an_old_device_is_encoded_from_its_fields) {
     const auto data = data_of(R"({"name": "parameter_info", "fields": {"min": 0, "max": 5, "name": "A"}})");
     ASSERT_EQ(data.size(), 30u);
     EXPECT_EQ(read(0xE2, data).message()->variant.label, "old");

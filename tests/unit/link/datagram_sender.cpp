@@ -64,7 +64,7 @@ protected:
     const ano::TimePoint now = ano::Clock::now();
 };
 
-TEST_F(Datagrams, are_no_more_than_may_leave_at_once) {
+TEST_F(Datagrams, do_not_exceed_the_bytes_allowed_at_once) {
     push(5);
     way.max_bytes = 100;
     EXPECT_EQ(send().result, SendResult::done);
@@ -72,14 +72,14 @@ TEST_F(Datagrams, are_no_more_than_may_leave_at_once) {
     EXPECT_EQ(outbox.waiting(), 3u);
 }
 
-TEST_F(Datagrams, of_a_paced_way_wait_for_their_time) {
+TEST_F(Datagrams, wait_for_their_time_on_a_paced_path) {
     push(3);
     pacing.start(1000, 20ms);
     EXPECT_EQ(send().result, SendResult::paced);
     EXPECT_EQ(received(), Sizes{40});
 }
 
-TEST_F(Datagrams, have_each_a_second_try) {
+TEST_F(Datagrams, are_retried_once_each) {
     push(3);
     calls_do({{.error = ECONNREFUSED}, {.most = 1}, {.error = ECONNREFUSED}});
     const SendReport report = send();
@@ -94,7 +94,7 @@ TEST_F(Datagrams, have_each_a_second_try) {
     EXPECT_EQ(outbox.counters().send_failed, 1u);
 }
 
-TEST_F(Datagrams, wait_a_moment_where_every_try_fails_for_earlier_ones) {
+TEST_F(Datagrams, wait_briefly_if_every_try_fails_due_to_earlier_datagrams) {
     push(1);
     const std::function<bool()> there_was_one = [] { return true; };
     way.take_reports = &there_was_one;
@@ -105,7 +105,7 @@ TEST_F(Datagrams, wait_a_moment_where_every_try_fails_for_earlier_ones) {
     EXPECT_EQ(outbox.waiting(), 1u);
 }
 
-TEST_F(Datagrams, that_find_no_room_leave_the_outbox_congested) {
+TEST_F(Datagrams, that_cannot_be_sent_for_lack_of_room_leave_the_outbox_congested) {
     for (const auto& [error, result] :
          {std::pair{EAGAIN, SendResult::full}, {ENOMEM, SendResult::no_memory}, {ENOBUFS, SendResult::no_memory}}) {
         push(1);
@@ -118,7 +118,7 @@ TEST_F(Datagrams, that_find_no_room_leave_the_outbox_congested) {
     }
 }
 
-TEST_F(Datagrams, longer_than_the_way_carries_go_one_by_one) {
+TEST_F(Datagrams, that_exceed_the_path_mtu_are_split_into_single_frames) {
     push(4);
     way.mtu = 1000;
     calls_do(std::vector<Fate>(100, Fate{.mtu = 100}));
@@ -127,7 +127,7 @@ TEST_F(Datagrams, longer_than_the_way_carries_go_one_by_one) {
     EXPECT_EQ(outbox.counters().too_big, 0u);
 }
 
-TEST_F(Datagrams, of_one_frame_too_long_for_the_way_are_tried_twice_and_counted) {
+TEST_F(Datagrams, of_one_frame_too_long_for_the_path_are_tried_twice_and_counted) {
     push(2);
     calls_do({{.error = EMSGSIZE}});
     send();

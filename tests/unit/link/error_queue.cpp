@@ -14,7 +14,7 @@ namespace {
 
 using support::Bytes;
 
-TEST(ErrorReports, are_all_taken_at_once_each_with_whom_it_is_about) {
+TEST(ErrorReports, are_all_read_at_once_with_their_destinations) {
     support::UdpPeer sender;
     anogate::keep_error_reports(sender.fd(), false);
     std::vector<anogate::Endpoint> closed, refused;
@@ -35,7 +35,7 @@ TEST(ErrorReports, are_all_taken_at_once_each_with_whom_it_is_about) {
 }
 
 // Reports of the local system, such as that a datagram was sent, are no reason to send anything again.
-TEST(ErrorReports, of_the_system_itself_are_taken_and_not_counted) {
+TEST(ErrorReports, of_the_local_system_are_read_but_not_counted) {
     support::UdpPeer sender, receiver;
     anogate::keep_error_reports(sender.fd(), false);
     const int stamps = SOF_TIMESTAMPING_TX_SOFTWARE | SOF_TIMESTAMPING_SOFTWARE;

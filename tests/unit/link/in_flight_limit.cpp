@@ -98,7 +98,7 @@ TEST(InFlightLimit, keeps_long_lines_busy) {
     EXPECT_GE(fast.bytes(), 0.95 * 20 * 16 * mbit);
 }
 
-TEST(InFlightLimit, follows_a_line_that_becomes_slower_and_faster) {
+TEST(InFlightLimit, adapts_to_a_line_that_becomes_slower_and_faster) {
     Line line{20 * mbit, 2ms};
     line.run(5s);
     line.change_rate(2 * mbit);
@@ -111,7 +111,7 @@ TEST(InFlightLimit, follows_a_line_that_becomes_slower_and_faster) {
     EXPECT_GE(line.bytes(), 0.95 * 5 * 20 * mbit);
 }
 
-TEST(InFlightLimit, follows_a_way_that_becomes_longer_although_the_kernel_remembers_the_shorter_one) {
+TEST(InFlightLimit, adapts_to_a_longer_path_although_the_kernel_remembers_the_shorter_one) {
     Line line{8 * mbit, 5ms};
     line.run(5s);
     line.change_way(400ms);
@@ -124,14 +124,14 @@ TEST(InFlightLimit, follows_a_way_that_becomes_longer_although_the_kernel_rememb
     EXPECT_LE(line.longest_wait(), 60ms);
 }
 
-TEST(InFlightLimit, a_slow_line_is_busy) {
+TEST(InFlightLimit, keeps_a_slow_line_busy) {
     Line line{0.1 * mbit, 5ms};
     line.run(5s);
     line.run(2min);
     EXPECT_GE(line.bytes(), 0.95 * 120 * 0.1 * mbit);
 }
 
-TEST(InFlightLimit, nearly_all_has_to_arrive_once_a_minute) {
+TEST(InFlightLimit, drains_nearly_everything_in_flight_once_a_minute) {
     Line line{4 * mbit, 2ms};
     line.run(5s);
     EXPECT_GT(line.least_in_flight(), InFlightLimit::nearly_none);
@@ -141,7 +141,7 @@ TEST(InFlightLimit, nearly_all_has_to_arrive_once_a_minute) {
     EXPECT_LE(line.least_in_flight(), InFlightLimit::nearly_none);
 }
 
-TEST(InFlightLimit, a_thin_stream_is_never_held_back) {
+TEST(InFlightLimit, never_delays_a_low_rate_stream) {
     InFlightLimit limit;
     ano::TimePoint now{1h};
     for (int i = 0; i < 100'000; ++i, now += 20ms)
@@ -149,21 +149,21 @@ TEST(InFlightLimit, a_thin_stream_is_never_held_back) {
 }
 
 // Some systems delay the acknowledgement of the last bytes; the path is not longer for that.
-TEST(InFlightLimit, late_acknowledgements_let_no_more_wait) {
+TEST(InFlightLimit, does_not_queue_more_because_of_late_acknowledgements) {
     Line line{2 * mbit, 2ms, 250ms};
     line.run(5s);
     line.run(3min);
     EXPECT_LE(line.longest_wait(), 45ms);
 }
 
-TEST(InFlightLimit, does_not_ask_for_the_round_trip_while_little_is_on_the_way) {
+TEST(InFlightLimit, does_not_request_the_round_trip_while_little_is_in_flight) {
     InFlightLimit limit;
     const auto thrown = []() -> InFlightLimit::RoundTrip { throw 1; };
     EXPECT_EQ(limit.wait(0, ano::TimePoint{30s}, thrown), 0s);
     EXPECT_EQ(limit.wait(InFlightLimit::least, ano::TimePoint{31s}, thrown), 0s);
 }
 
-TEST(InFlightLimit, asks_again_soon_while_nothing_is_acknowledged) {
+TEST(InFlightLimit, checks_again_soon_while_nothing_is_acknowledged) {
     InFlightLimit limit;
     const auto wait = limit.wait(20'000, ano::TimePoint{30s}, [] { return InFlightLimit::RoundTrip{5s, 3ms}; });
     EXPECT_GE(wait, 1ms);

@@ -48,7 +48,7 @@ struct WatchedInterface : testing::Test {
     const EndpointSpec here = endpoint("[fe80::1%eth0]:12333"), nowhere = endpoint("[::1]:12333");
 };
 
-TEST_F(WatchedInterface, is_told_of_once_when_another_has_its_name) {
+TEST_F(WatchedInterface, is_reported_once_when_another_interface_has_its_name) {
     Watch stopped{host.context()}, unnamed{host.context()}, watch{host.context()};
     stopped.looks.start(here);
     stopped.looks.stop();
@@ -62,7 +62,7 @@ TEST_F(WatchedInterface, is_told_of_once_when_another_has_its_name) {
     EXPECT_EQ(unnamed.told, 0);
 }
 
-TEST_F(WatchedInterface, is_told_of_when_it_is_gone_and_not_while_it_is_there) {
+TEST_F(WatchedInterface, is_reported_when_it_is_lost_but_not_while_it_exists) {
     Watch before{host.context()}, watch{host.context()};
     before.looks.start(here);
     interface_now = 9;

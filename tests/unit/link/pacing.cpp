@@ -28,7 +28,7 @@ protected:
     const ano::TimePoint now = ano::Clock::now();
 };
 
-TEST_F(Paced, what_waits_for_the_line_is_congested_and_goes_on_when_the_line_is_done) {
+TEST_F(Paced, an_outbox_that_waits_for_the_line_is_congested_and_continues_when_the_line_is_free) {
     EXPECT_EQ(pacing.budget(outbox, now), 40u);
     EXPECT_FALSE(outbox.congested());
     pacing.sent(200, now);
@@ -39,7 +39,7 @@ TEST_F(Paced, what_waits_for_the_line_is_congested_and_goes_on_when_the_line_is_
     EXPECT_GE(*went_on, now + 200ms);
 }
 
-TEST_F(Paced, nothing_that_waits_waits_for_nothing) {
+TEST_F(Paced, an_empty_outbox_does_not_wait) {
     pacing.sent(200, now);
     Outbox empty{{}};
     EXPECT_EQ(pacing.budget(empty, now), SIZE_MAX);
@@ -47,7 +47,7 @@ TEST_F(Paced, nothing_that_waits_waits_for_nothing) {
     EXPECT_FALSE(went_on);
 }
 
-TEST_F(Paced, a_line_that_is_no_longer_paced_holds_nothing_back) {
+TEST_F(Paced, a_line_that_is_no_longer_paced_delays_nothing) {
     pacing.sent(200, now);
     EXPECT_EQ(pacing.budget(outbox, now), 0u);
     pacing.stop();

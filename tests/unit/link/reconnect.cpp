@@ -44,7 +44,7 @@ struct Reconnects : testing::Test {
                         [this](LinkError why) { told.push_back(std::move(why.text)); }};
 };
 
-TEST_F(Reconnects, each_try_that_fails_is_told_and_another_one_follows) {
+TEST_F(Reconnects, each_failed_try_is_reported_and_followed_by_another) {
     const auto start = ano::Clock::now();
     reconnect.start();
     EXPECT_EQ(tries, 1u) << "at once";
@@ -59,7 +59,7 @@ TEST_F(Reconnects, each_try_that_fails_is_told_and_another_one_follows) {
     EXPECT_EQ(told.size(), 3u);
 }
 
-TEST_F(Reconnects, what_is_lost_is_told_and_opened_again) {
+TEST_F(Reconnects, a_lost_device_is_reported_and_opened_again) {
     fault.clear();
     reconnect.start();
     reconnect.lost("unplugged");
@@ -69,7 +69,7 @@ TEST_F(Reconnects, what_is_lost_is_told_and_opened_again) {
     EXPECT_EQ(told.size(), 1u);
 }
 
-TEST_F(Reconnects, what_takes_its_time_to_open_is_tried_again_when_it_came_to_nothing) {
+TEST_F(Reconnects, an_open_that_takes_long_and_fails_is_tried_again) {
     fault.clear();
     at_once = false;
     reconnect.start();
@@ -80,7 +80,7 @@ TEST_F(Reconnects, what_takes_its_time_to_open_is_tried_again_when_it_came_to_no
     EXPECT_EQ(told, std::vector<std::string>{"refused"});
 }
 
-TEST_F(Reconnects, a_device_that_comes_is_opened_at_once_and_the_next_try_is_off) {
+TEST_F(Reconnects, a_device_that_appears_is_opened_at_once_and_the_next_try_is_cancelled) {
     reconnect.start();
     ASSERT_TRUE(until_tries(5));    // the next is most of a second later
     fault.clear();

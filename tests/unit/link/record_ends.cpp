@@ -10,7 +10,7 @@ using Bytes = std::vector<std::uint8_t>;
 namespace record_ends_tests {
 namespace {
 
-TEST(RecordEnds, are_found_from_every_place_in_a_record) {
+TEST(RecordEnds, are_found_from_every_position_in_a_record) {
     Bytes records{22, 3, 3, 1, 0};    // 256 bytes
     records.resize(5 + 256, 7);
     records.insert(records.end(), {20, 3, 3, 0, 1, 1});
@@ -33,7 +33,7 @@ TEST(RecordEnds, are_the_same_however_the_bytes_were_read) {
     EXPECT_EQ(ends.missing(Bytes{3, 0, 9}), 12);
 }
 
-TEST(RecordEnds, do_not_wait_for_more_than_a_record_may_have) {
+TEST(RecordEnds, do_not_wait_for_more_bytes_than_a_record_may_have) {
     EXPECT_EQ(RecordEnds{}.missing(Bytes{22, 3, 3, 0xFF, 0xFF}), 5 + 16 * 1024 + 256);
 }
 

@@ -134,7 +134,7 @@ struct Sessions : testing::Test {
     sockaddr_in address{};
 };
 
-TEST_F(Sessions, open_when_the_connection_stands_and_carry_frames_both_ways) {
+TEST_F(Sessions, open_when_the_connection_is_established_and_carry_frames_both_ways) {
     ASSERT_EQ(::listen(listener.get(), 5), 0);
     Connection& one = link.open(connecting(), "one");
     Connection& two = link.open(connecting(), "two");
@@ -149,7 +149,7 @@ TEST_F(Sessions, open_when_the_connection_stands_and_carry_frames_both_ways) {
     EXPECT_TRUE(until_hears(first, vendor::who_are_you));
 }
 
-TEST_F(Sessions, one_that_ends_leaves_the_others) {
+TEST_F(Sessions, one_that_ends_does_not_affect_the_others) {
     ASSERT_EQ(::listen(listener.get(), 5), 0);
     Connection& one = link.open(connecting(), "one");
     UniqueFd first = accepted();
@@ -167,7 +167,7 @@ TEST_F(Sessions, one_that_ends_leaves_the_others) {
     EXPECT_EQ(two.log, "o");
 }
 
-TEST_F(Sessions, a_refused_connection_says_so_and_was_never_open) {
+TEST_F(Sessions, a_refused_connection_reports_the_error_and_is_never_open) {
     Connection& refused = link.open(connecting(), "refused");    // bound, but not listening
     EXPECT_TRUE(host.until([&] { return !refused.log.empty(); }));
     EXPECT_EQ(refused.log, "f");
@@ -175,7 +175,7 @@ TEST_F(Sessions, a_refused_connection_says_so_and_was_never_open) {
     EXPECT_FALSE(refused.is_open());
 }
 
-TEST_F(Sessions, nothing_is_read_once_the_link_reads_no_more) {
+TEST_F(Sessions, nothing_is_read_after_the_link_stops_reading) {
     ASSERT_EQ(::listen(listener.get(), 5), 0);
     Connection& one = link.open(connecting(), "one");
     const UniqueFd first = accepted();
@@ -214,7 +214,7 @@ struct Session : Sessions {
     const Bytes behind_a_false_header = Bytes{ano::head, 1, 2, 3, 0xE8, 3} + frame;
 };
 
-TEST_F(Session, has_an_outbox_that_is_congested_while_the_wire_takes_nothing) {
+TEST_F(Session, has_a_congested_outbox_while_the_wire_accepts_nothing) {
     Connection& one = open();
     one.most = 0;
     channel().outbox.push(ano::FrameView{frame});
@@ -224,7 +224,7 @@ TEST_F(Session, has_an_outbox_that_is_congested_while_the_wire_takes_nothing) {
     EXPECT_TRUE(until_hears(other, frame));
 }
 
-TEST_F(Session, that_is_paced_gives_the_line_what_it_carries) {
+TEST_F(Session, that_is_paced_sends_no_more_than_the_line_carries) {
     Connection& one = open();
     one.pacing().start(1000, std::chrono::milliseconds{1});
     for (int i = 0; i < 2; ++i) channel().outbox.push(ano::FrameView{frame});
@@ -232,7 +232,7 @@ TEST_F(Session, that_is_paced_gives_the_line_what_it_carries) {
     EXPECT_EQ(channel().outbox.waiting(), 1u);
 }
 
-TEST_F(Session, that_is_paced_waits_for_what_the_driver_holds) {
+TEST_F(Session, that_is_paced_waits_for_bytes_held_by_the_driver) {
     Connection& one = open();
     one.pacing().start(100'000, std::chrono::milliseconds{20});
     one.held = 10'000;
@@ -252,7 +252,7 @@ TEST_F(Session, that_is_closed_does_nothing_more) {
     EXPECT_EQ(host.heard("one"), Bytes{});
 }
 
-TEST_F(Session, that_is_closed_by_what_it_read_does_nothing_more) {
+TEST_F(Session, that_is_closed_during_a_read_does_nothing_more) {
     Connection& one = open();
     one.ends_with_a_read = true;
     send(behind_a_false_header);
@@ -262,7 +262,7 @@ TEST_F(Session, that_is_closed_by_what_it_read_does_nothing_more) {
     EXPECT_EQ(one.log, "o");
 }
 
-TEST_F(Session, ends_with_the_frames_that_stood_behind_a_false_header) {
+TEST_F(Session, delivers_the_frames_after_a_false_header_at_its_end) {
     Connection& one = open();
     send(behind_a_false_header);
     other = UniqueFd{};
@@ -270,7 +270,7 @@ TEST_F(Session, ends_with_the_frames_that_stood_behind_a_false_header) {
     EXPECT_EQ(host.heard("one"), frame);
 }
 
-TEST_F(Session, goes_on_when_a_signal_interrupted_a_read) {
+TEST_F(Session, continues_after_a_signal_interrupted_a_read) {
     Connection& one = open();
     one.interrupted = 1;
     send(frame);
@@ -278,7 +278,7 @@ TEST_F(Session, goes_on_when_a_signal_interrupted_a_read) {
     EXPECT_EQ(one.log, "o");
 }
 
-TEST_F(Session, goes_on_where_another_program_stopped) {
+TEST_F(Session, continues_where_another_program_stopped) {
     StoredLink before;
     before.unread_since = host.turn().clocks();
     for (auto* clock : {&before.unread_since.boot, &before.unread_since.real}) *clock -= std::chrono::seconds{3};

@@ -15,7 +15,7 @@ using anogate::UniqueFd;
 using anogate::terminal::is_port_at;
 
 // A name in /proc leads to an unplugged port, like the name of an adapter leads to the next one with the same number.
-TEST(Termios, a_port_that_was_unplugged_is_not_at_its_name_any_more) {
+TEST(Termios, an_unplugged_port_is_no_longer_found_at_its_name) {
     UniqueFd device{::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC)};
     char name[64];
     ASSERT_TRUE(::grantpt(device.get()) == 0 && ::unlockpt(device.get()) == 0 &&

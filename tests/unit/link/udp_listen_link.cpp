@@ -104,7 +104,7 @@ struct ListeningLink : testing::Test {
     UdpPeer first, second, third;
 };
 
-TEST_F(ListeningLink, gives_the_place_of_who_was_forgotten_to_another) {
+TEST_F(ListeningLink, reuses_the_quota_of_a_forgotten_peer) {
     udp.max_peers = 1;
     start();
     say(first, vendor::who_are_you);
@@ -116,7 +116,7 @@ TEST_F(ListeningLink, gives_the_place_of_who_was_forgotten_to_another) {
     EXPECT_EQ(peers(), std::vector{second.local().text()});
 }
 
-TEST_F(ListeningLink, knows_a_peer_as_heard_though_its_first_frame_waits_behind_a_false_header) {
+TEST_F(ListeningLink, counts_a_peer_as_seen_although_its_first_frame_waits_after_a_false_header) {
     start();
     say(first, hex("AB 01 02 03 FF 00") + telemetry);
     const Channel* const of_first = channel(first);
@@ -125,7 +125,7 @@ TEST_F(ListeningLink, knows_a_peer_as_heard_though_its_first_frame_waits_behind_
     EXPECT_NE(of_first->heard_at, TimePoint{});
 }
 
-TEST_F(ListeningLink, counts_what_came_from_strangers_that_are_not_welcome) {
+TEST_F(ListeningLink, counts_frames_from_senders_that_are_not_allowed) {
     start<Unwelcoming>();
     say(first, telemetry + telemetry);
     EXPECT_TRUE(host.until([&] { return link->unassigned_traffic().received.bytes_in == 2 * telemetry.size(); }));
@@ -133,7 +133,7 @@ TEST_F(ListeningLink, counts_what_came_from_strangers_that_are_not_welcome) {
     EXPECT_TRUE(peers().empty());
 }
 
-TEST_F(ListeningLink, takes_nothing_from_a_peer_that_asks_whether_this_listens_and_counts_it) {
+TEST_F(ListeningLink, drops_and_counts_frames_from_a_peer_that_sends_a_listening_request) {
     start();
     say(first, telemetry);
     const Channel* const of_first = channel(first);
@@ -143,7 +143,7 @@ TEST_F(ListeningLink, takes_nothing_from_a_peer_that_asks_whether_this_listens_a
     EXPECT_EQ(host.heard(of_first->peer), telemetry);
 }
 
-TEST_F(ListeningLink, takes_nothing_from_a_peer_that_says_it_is_a_gateway_and_forgets_it) {
+TEST_F(ListeningLink, drops_frames_from_a_peer_that_is_a_gateway_and_forgets_it) {
     start();
     say(first, telemetry);
     ASSERT_TRUE(channel(first));
@@ -162,7 +162,7 @@ TEST_F(ListeningLink, takes_nothing_from_a_peer_that_says_it_is_a_gateway_and_fo
 
 // The port may belong to another program now. The suspension stays; otherwise forgetting the peer would be a way to suspend it
 // again.
-TEST_F(ListeningLink, takes_whoever_has_the_port_of_one_that_was_forgotten) {
+TEST_F(ListeningLink, accepts_a_new_program_on_the_port_of_a_forgotten_peer) {
     start();
     say(first, telemetry);
     const Channel* const before = channel(first);
@@ -179,7 +179,7 @@ TEST_F(ListeningLink, takes_whoever_has_the_port_of_one_that_was_forgotten) {
     EXPECT_EQ(peers(), std::vector{first.local().text()});
 }
 
-TEST_F(ListeningLink, looks_at_our_networks_once_a_second_however_many_strangers_come) {
+TEST_F(ListeningLink, reads_the_local_networks_once_a_second_however_many_unknown_senders_there_are) {
     no_interfaces = true;
     start();
     const TimePoint begin = Clock::now();
@@ -192,7 +192,7 @@ TEST_F(ListeningLink, looks_at_our_networks_once_a_second_however_many_strangers
 }
 
 // The kernel's stamps are useless across a step of the clock, and valid again after the first read after it.
-TEST_F(ListeningLink, knows_again_how_old_a_datagram_is_when_the_clock_was_set) {
+TEST_F(ListeningLink, measures_the_age_of_datagrams_again_after_the_clock_was_set) {
     Duration ahead = 1h;
     host.clocks = [&] {
         ClockReading reading = read_clocks();
@@ -218,7 +218,7 @@ TEST_F(ListeningLink, knows_again_how_old_a_datagram_is_when_the_clock_was_set) 
     EXPECT_LT(of_first->arrived_at, there + 10ms) << "not when it was read";
 }
 
-TEST_F(ListeningLink, goes_on_with_what_was_known_of_its_peers) {
+TEST_F(ListeningLink, restores_the_stored_state_of_its_peers) {
     start();
     const TimePoint now = Clock::now();
     const PeerBook::Memory memory{now - 10s, true, true};
@@ -234,7 +234,7 @@ TEST_F(ListeningLink, goes_on_with_what_was_known_of_its_peers) {
     EXPECT_TRUE(known[0].memory.came_again);
 }
 
-TEST_F(ListeningLink, goes_on_with_as_many_peers_as_it_may_have_now_those_heard_last) {
+TEST_F(ListeningLink, restores_up_to_max_peers_and_prefers_those_last_heard) {
     start();
     const TimePoint now = Clock::now();
     host.stored = stored({{first.local(), {now - 2s, true, false}, true},

@@ -23,7 +23,7 @@ TEST(JournalLines, have_their_priority) {
     EXPECT_EQ(journal_lines(Priority::info, ""), "");
 }
 
-TEST(JournalLines, every_line_has_it_whatever_it_begins_with) {
+TEST(JournalLines, have_a_priority_on_every_line_whatever_it_begins_with) {
     EXPECT_EQ(journal_lines(Priority::info, "status\nfc: up\n<0>panic\n"), "<6>status\n<6>fc: up\n<6><0>panic\n");
     EXPECT_EQ(journal_lines(Priority::info, "\n\na\n\n"), "<6>a\n");
 }
@@ -52,14 +52,14 @@ std::string on_a_terminal(const char* no_color) {
     return text;
 }
 
-TEST(Log, has_colours_on_a_terminal_unless_no_color_says_otherwise) {
+TEST(Log, has_colours_on_a_terminal_unless_no_color_is_set) {
     EXPECT_NE(on_a_terminal("").find('\x1b'), std::string::npos);
     const std::string plain = on_a_terminal("1");
     EXPECT_NE(plain.find("warning words"), std::string::npos) << plain;
     EXPECT_EQ(plain.find('\x1b'), std::string::npos) << plain;
 }
 
-TEST(Log, may_have_a_file_larger_than_32_bits_can_say) {
+TEST(Log, supports_a_rotation_size_of_more_than_32_bits) {
     const support::TempDir folder;
     LogSettings settings;
     settings.file = folder / "log";

@@ -43,7 +43,7 @@ TEST(LogLine, is_in_the_log_with_its_level) {
     EXPECT_EQ(lines.take(), (Lines{"info ground: peer 7", "warning 1.2 s", "error as it is: {} {}"}));
 }
 
-TEST(LogLine, has_no_bytes_that_are_not_utf8_and_no_character_that_can_not_be_seen) {
+TEST(LogLine, replaces_invalid_utf8_and_escapes_invisible_characters) {
     support::LogLines lines;
     log_warning("a {} file", std::string{"\xFB\x84\x1B[2J\u202E\uFE0F\xC2"});
     EXPECT_EQ(lines.take(), (Lines{"a \uFFFD\uFFFD\\u001b[2J\\u202e\\ufe0f\uFFFD file"}));
@@ -60,7 +60,7 @@ TEST(LogLine, below_the_level_is_neither_logged_nor_formatted) {
     EXPECT_EQ(lines.take(), Lines{"counted"});
 }
 
-TEST(LogLine, that_was_asked_for_is_logged_at_every_level_but_off) {
+TEST(LogLine, that_was_requested_is_logged_at_every_level_except_off) {
     support::LogLines lines;
     spdlog::default_logger()->set_pattern("%l %v");
     set_log_level("error");
@@ -71,7 +71,7 @@ TEST(LogLine, that_was_asked_for_is_logged_at_every_level_but_off) {
     EXPECT_TRUE(lines.take().empty());
 }
 
-TEST(LogLine, that_can_not_be_formatted_is_lost_and_ends_nothing) {
+TEST(LogLine, that_cannot_be_formatted_is_lost_without_stopping_the_log) {
     support::LogLines lines;
     int formatted = 0, lost = 0;
     spdlog::default_logger()->set_error_handler([&](const std::string&) { ++lost; });

@@ -10,7 +10,7 @@ constexpr int many = 100'000;
 
 void say(LogQueue& queue, const std::string& text) { queue.push(spdlog::level::info, noon, text); }
 
-TEST(LogQueue, gives_what_was_said_as_it_was_said) {
+TEST(LogQueue, returns_messages_unchanged) {
     LogQueue queue;
     EXPECT_TRUE(queue.empty());
     queue.push(spdlog::level::warn, noon, "one");
@@ -39,7 +39,7 @@ TEST(LogQueue, keeps_the_first_and_counts_the_rest) {
     for (std::size_t i = 0; i < kept; ++i) ASSERT_EQ(batch.messages[i].text, std::to_string(i));
 }
 
-TEST(LogQueue, has_one_gap_and_nothing_behind_it_until_all_is_taken) {
+TEST(LogQueue, has_one_gap_and_accepts_nothing_after_it_until_all_is_read) {
     LogQueue queue;
     say(queue, std::string(LogQueue::room, 'x'));    // it begins below the limit
     say(queue, "lost");
@@ -54,7 +54,7 @@ TEST(LogQueue, has_one_gap_and_nothing_behind_it_until_all_is_taken) {
     EXPECT_EQ(batch.lost, 0u);
 }
 
-TEST(LogQueue, takes_nothing_more_when_it_is_full_to_the_byte) {
+TEST(LogQueue, accepts_nothing_when_it_is_exactly_full) {
     LogQueue queue;
     say(queue, std::string(LogQueue::room - sizeof(LogMessage), 'x'));
     say(queue, "lost");

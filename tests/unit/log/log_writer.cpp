@@ -46,7 +46,7 @@ struct Log {
     spdlog::logger front{"front", writer};
 };
 
-TEST(LogWriter, has_written_all_in_its_order_when_it_is_finished) {
+TEST(LogWriter, has_written_everything_in_order_when_it_is_finished) {
     Log log;
     log.gate->open(1000);
     std::vector<std::string> said;
@@ -68,7 +68,7 @@ TEST(LogWriter, leaves_signals_to_the_thread_of_the_loop) {
     for (const int signal : {SIGTERM, SIGHUP, SIGUSR1, SIGTTOU}) EXPECT_EQ(sigismember(&blocked, signal), 1) << signal;
 }
 
-TEST(LogWriter, tells_what_was_lost_where_it_is_missing) {
+TEST(LogWriter, reports_lost_lines_where_they_are_missing) {
     Log log;
     log.front.info("first");
     log.gate->await_a_writer();
@@ -88,7 +88,7 @@ TEST(LogWriter, tells_what_was_lost_where_it_is_missing) {
     EXPECT_EQ(lines[4], "last");
 }
 
-TEST(LogWriter, has_no_patience_without_end) {
+TEST(LogWriter, waits_only_for_a_limited_time_at_the_end) {
     Log log;
     log.front.info("nobody takes this");
     const auto begin = std::chrono::steady_clock::now();
@@ -117,12 +117,12 @@ TEST(LogWriter, without_memory_at_first_the_log_is_opened_later) {
     EXPECT_EQ(gate->lines(), std::vector<std::string>{"early"});
 }
 
-TEST(LogWriter, that_never_has_memory_ends_all_the_same) {
+TEST(LogWriter, finishes_even_without_any_memory) {
     LogWriter writer{[]() -> std::shared_ptr<spdlog::logger> { throw std::bad_alloc{}; }};
     EXPECT_TRUE(writer.finish());
 }
 
-TEST(LogWriter, a_log_that_opens_late_has_what_was_said_before) {
+TEST(LogWriter, a_log_that_opens_late_contains_earlier_messages) {
     const auto gate = std::make_shared<Gate>();
     std::binary_semaphore there{0};
     LogWriter writer{[&] {

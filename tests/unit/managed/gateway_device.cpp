@@ -103,7 +103,7 @@ protected:
     GatewayDevice::Link last_link = 0;
 };
 
-TEST_F(GatewayAsDevice, says_who_it_is_to_a_host_that_knows_the_text_alone) {
+TEST_F(GatewayAsDevice, reports_its_device_information_to_a_host_that_follows_the_protocol_text) {
     // AB, from 254 to 21, 0xE0, LEN 3: cmd 0, val 0; and 0xE3: dev_id 21, hw 100, sw 100, bl 0, pt 800, the name.
     EXPECT_EQ(answer(hex("AB FE 15 E0 03 00 00 00 00 A1 D5")),
               hex("AB 15 FE E3 10 00 15 64 00 64 00 00 00 20 03 76 65 68 69 63 6C 65 "
@@ -112,7 +112,7 @@ TEST_F(GatewayAsDevice, says_who_it_is_to_a_host_that_knows_the_text_alone) {
     EXPECT_EQ(answer(hex("AB FE FF E0 03 00 00 00 00 8B 3B")).size(), 24u) << "everybody is asked";
 }
 
-TEST_F(GatewayAsDevice, tells_count_descriptions_and_values_of_its_parameters) {
+TEST_F(GatewayAsDevice, reports_count_descriptions_and_values_of_its_parameters) {
     EXPECT_EQ(answer(ask(0xE0, {1, 0, 0})), says(0xE0, {1, 7, 0}));
     EXPECT_EQ(answer(ask(0xE0, {2, 0, 0})), says(0xE1, {0, 0, 2}));
     EXPECT_EQ(answer(ask(0xE0, {2, 1, 0})), says(0xE1, {1, 0, 0x30, 0x75, 0, 0}));
@@ -123,7 +123,7 @@ TEST_F(GatewayAsDevice, tells_count_descriptions_and_values_of_its_parameters) {
     EXPECT_TRUE(answer(ask(0xE0, {2, 7, 0})).empty()) << "there are seven";
 }
 
-TEST_F(GatewayAsDevice, stores_what_is_written_within_its_limits) {
+TEST_F(GatewayAsDevice, stores_written_values_within_their_limits) {
     const Bytes question = write(forget_after, {0x88, 0x13, 0, 0});
     EXPECT_EQ(answer(question), acknowledges(question));
     EXPECT_EQ(value(forget_after), 5000);
@@ -135,7 +135,7 @@ TEST_F(GatewayAsDevice, stores_what_is_written_within_its_limits) {
     EXPECT_EQ(deeds.applied.size(), 2u) << "what holds already changes nothing";
 }
 
-TEST_F(GatewayAsDevice, answers_questions_by_every_link_and_acts_by_those_that_may_manage) {
+TEST_F(GatewayAsDevice, answers_requests_on_every_link_but_acts_only_on_links_that_may_manage) {
     EXPECT_EQ(answers(ask(0xE0, {1, 0, 0}), stranger).size(), 1u);
     EXPECT_EQ(answers(ask(0xC1, {0, 0, 0}), stranger).size(), 1u);
     std::uint64_t refused = 0;
@@ -148,7 +148,7 @@ TEST_F(GatewayAsDevice, answers_questions_by_every_link_and_acts_by_those_that_m
     EXPECT_TRUE(deeds.applied.empty() && deeds.did.empty() && deeds.saved.empty());
 }
 
-TEST_F(GatewayAsDevice, tells_a_host_why_it_refuses_but_not_each_time) {
+TEST_F(GatewayAsDevice, reports_to_a_host_why_it_refuses_but_not_each_time) {
     const auto first = answers(ask(0xC0, {1, 0, 1}), stranger);
     ASSERT_EQ(first.size(), 1u);
     EXPECT_EQ(
@@ -165,14 +165,14 @@ TEST_F(GatewayAsDevice, tells_a_host_why_it_refuses_but_not_each_time) {
     EXPECT_TRUE(answers(ask(0xC0, {1, 0, 1}, 0x21), stranger, start + 20s).empty()) << "a device does not read";
 }
 
-TEST_F(GatewayAsDevice, takes_no_act_that_is_for_everybody) {
+TEST_F(GatewayAsDevice, ignores_broadcast_actions) {
     EXPECT_TRUE(answer(frame(host, everybody, 0xE1, {3, 0, 0})).empty());
     EXPECT_TRUE(answer(frame(host, everybody, 0xE0, {0x10, 0xAA, 0})).empty());
     EXPECT_EQ(device.counters().to_everybody, 2u);
     EXPECT_TRUE(deeds.applied.empty());
 }
 
-TEST_F(GatewayAsDevice, does_not_let_a_writer_close_his_own_link) {
+TEST_F(GatewayAsDevice, does_not_let_a_writer_close_the_link_it_uses) {
     const auto said = answers(write(en_fc, {0}), manager);
     ASSERT_EQ(said.size(), 1u);
     EXPECT_EQ(said[0][3], 0xA0) << "no acknowledgement";
@@ -183,7 +183,7 @@ TEST_F(GatewayAsDevice, does_not_let_a_writer_close_his_own_link) {
     EXPECT_EQ(value(en_ground), 0);
 }
 
-TEST_F(GatewayAsDevice, does_not_let_two_close_each_others_link) {
+TEST_F(GatewayAsDevice, does_not_let_two_hosts_close_each_others_links) {
     const GatewayDevice::Asker ground{8, "ground", true, false};
     const Bytes close_ground = write(en_ground, {0}), close_fc = write(en_fc, {0}), open_ground = write(en_ground, {1});
     EXPECT_EQ(answer(close_ground), acknowledges(close_ground));
@@ -194,7 +194,7 @@ TEST_F(GatewayAsDevice, does_not_let_two_close_each_others_link) {
     EXPECT_EQ(answers(open_ground, ground), std::vector<Bytes>{acknowledges(open_ground)});
 }
 
-TEST_F(GatewayAsDevice, does_not_restore_what_would_close_the_link_of_who_asks) {
+TEST_F(GatewayAsDevice, does_not_restore_a_value_that_would_close_the_link_of_the_request) {
     file.links[0].enabled = false;    // and a parameter opened it
     device.configure(file, {});
     answers(write(en_fc, {1}), {9, "control", true, true});
@@ -208,7 +208,7 @@ TEST_F(GatewayAsDevice, does_not_restore_what_would_close_the_link_of_who_asks) 
     EXPECT_EQ(value(en_fc), 0) << "who comes by another way may";
 }
 
-TEST_F(GatewayAsDevice, tells_the_control_interface_why_it_does_not) {
+TEST_F(GatewayAsDevice, reports_to_the_control_interface_why_it_refuses) {
     answers(ask(0xC0, {1, 0, 3, 77}), manager);
     EXPECT_TRUE(deeds.refused.empty()) << "a link hears it by a line";
     for (int i = 0; i < 2; ++i) answers(ask(0xC0, {1, 0, 3, 77}), {9, "control", true, true});
@@ -236,7 +236,7 @@ TEST_F(GatewayAsDevice, acknowledges_a_save_when_it_is_on_the_disk) {
     EXPECT_TRUE(heard().empty()) << "who asked is gone";
 }
 
-TEST_F(GatewayAsDevice, describes_its_commands_and_does_them) {
+TEST_F(GatewayAsDevice, describes_and_executes_its_commands) {
     EXPECT_EQ(answer(ask(0xC1, {0, 0, 0})), says(0xC1, {0, 6, 0}));
     Bytes described{2, 0, 1, 0, 3, 1, 0, 0, 0, 0, 0, 0, 0};
     for (const Bytes& part : {text("RESTART_LINK", 20), text("the number of the link: 0 fc 1 ground")})
@@ -251,7 +251,7 @@ TEST_F(GatewayAsDevice, describes_its_commands_and_does_them) {
     EXPECT_TRUE(answer(ask(0xC0, {9, 9, 9})).empty());
 }
 
-TEST_F(GatewayAsDevice, pulses_the_lines_that_can_be_asked) {
+TEST_F(GatewayAsDevice, pulses_the_lines_that_allow_it) {
     GpioSettings lamp, reset;
     lamp.use = GpioUse::link_up;
     reset.use = GpioUse::reset;
@@ -266,7 +266,7 @@ TEST_F(GatewayAsDevice, pulses_the_lines_that_can_be_asked) {
     for (const Bytes& said : answers(command, manager)) EXPECT_EQ(said[3], 0xA0) << "not acknowledged";
 }
 
-TEST_F(GatewayAsDevice, sums_up_its_links_once_a_second_until_told_not_to) {
+TEST_F(GatewayAsDevice, sends_link_summaries_once_a_second_until_they_are_switched_off) {
     const Bytes begin = ask(0xC0, {1, 0, 4, 2});
     EXPECT_EQ(answer(begin), acknowledges(begin));
     ASSERT_EQ(device.due(), start);
@@ -286,7 +286,7 @@ TEST_F(GatewayAsDevice, sums_up_its_links_once_a_second_until_told_not_to) {
     EXPECT_EQ(device.due(), std::nullopt) << "who listened is gone";
 }
 
-TEST_F(GatewayAsDevice, tells_hosts_in_a_few_lines_what_happens) {
+TEST_F(GatewayAsDevice, sends_events_to_hosts_in_a_limited_number_of_lines) {
     for (int i = 0; i < 15; ++i) device.log("fc: up", GatewayDevice::LogColor::green, start + i * 1ms);
     const auto lines = heard();
     ASSERT_EQ(lines.size(), 10u);
@@ -301,7 +301,7 @@ TEST_F(GatewayAsDevice, tells_hosts_in_a_few_lines_what_happens) {
     EXPECT_EQ(device.counters().lines_left_out, 5u);
 }
 
-TEST_F(GatewayAsDevice, is_none_without_an_id_and_with_that_of_hosts) {
+TEST_F(GatewayAsDevice, does_not_exist_without_an_id_or_with_the_id_of_hosts) {
     for (const int id : {0, 0xFE, 0xD2}) {
         file.gateway.id = static_cast<std::uint8_t>(id);
         device.configure(file, {});
@@ -312,7 +312,7 @@ TEST_F(GatewayAsDevice, is_none_without_an_id_and_with_that_of_hosts) {
     }
 }
 
-TEST_F(GatewayAsDevice, goes_on_with_what_was_written_when_its_links_are_others) {
+TEST_F(GatewayAsDevice, keeps_written_values_when_its_links_change) {
     answer(write(forget_after, {0x88, 0x13, 0, 0}));
     file.links.push_back(link("radio"));
     device.configure(file, device.written());
@@ -320,14 +320,14 @@ TEST_F(GatewayAsDevice, goes_on_with_what_was_written_when_its_links_are_others)
     EXPECT_EQ(value(forget_after), 5000);
 }
 
-TEST_F(GatewayAsDevice, lets_who_came_by_a_link_that_closes_anyway_write_the_rest) {
+TEST_F(GatewayAsDevice, accepts_writes_on_a_link_that_the_configuration_closes_anyway) {
     file.links[0].enabled = false;
     device.configure(file, {});
     const Bytes question = write(forget_after, {0x88, 0x13, 0, 0});
     EXPECT_EQ(answer(question), acknowledges(question));
 }
 
-TEST_F(GatewayAsDevice, loses_no_answer_by_a_configuration_that_changes_nothing_of_it) {
+TEST_F(GatewayAsDevice, loses_no_response_when_a_new_configuration_does_not_change_it) {
     const Bytes question = ask(0xE0, {1, 0, 0});
     device.take(ano::FrameView{question}, manager, start);
     file.gateway.forget_after = 60s;
@@ -337,7 +337,7 @@ TEST_F(GatewayAsDevice, loses_no_answer_by_a_configuration_that_changes_nothing_
 }
 
 // Each receives all frames of the other; the first frame is a question with the address of the other.
-TEST_F(GatewayAsDevice, does_not_talk_with_another_gateway_for_ever) {
+TEST_F(GatewayAsDevice, does_not_exchange_frames_with_another_gateway_endlessly) {
     for (const std::uint8_t other_id : {std::uint8_t{22}, self}) {
         Settings others = file;
         others.gateway.id = other_id;

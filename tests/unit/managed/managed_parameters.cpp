@@ -39,13 +39,13 @@ std::optional<double> limit_of(const LinkSettings& of, std::uint8_t id) {
     return std::nullopt;
 }
 
-TEST(ManagedParameters, of_the_gateway_come_first_and_then_two_of_each_link) {
+TEST(ManagedParameters, list_those_of_the_gateway_first_and_then_two_of_each_link) {
     std::string names;
     for (const ManagedParameter& one : managed_parameters(settings())) names += one.name + " ";
     EXPECT_EQ(names, "LOG_LEVEL FORGET_AFTER UNKNOWN EN_fc LIM_fc EN_ground LIM_ground ");
 }
 
-TEST(ManagedParameters, have_short_names_that_differ_and_end_with_whole_letters) {
+TEST(ManagedParameters, have_short_unique_names_that_end_with_whole_characters) {
     Settings all = settings();
     all.links = {link("a-radio-with-a-long-name-1"), link("a-radio-with-a-long-name-2"), link("一二三四五六七")};
     std::vector<std::string> names;
@@ -56,7 +56,7 @@ TEST(ManagedParameters, have_short_names_that_differ_and_end_with_whole_letters)
     EXPECT_EQ(names[7], "EN_一二三四五");
 }
 
-TEST(ManagedParameters, change_what_their_keys_change) {
+TEST(ManagedParameters, change_the_settings_of_their_keys) {
     const Settings file = settings();
     WrittenValues written;
     written.write(row(file, "LOG_LEVEL"), 1, file);
@@ -101,7 +101,7 @@ TEST(ManagedParameters, may_name_the_link_for_unknown_addresses_only_where_the_f
     EXPECT_TRUE(written.empty()) << "it is what the file says";
 }
 
-TEST(WrittenValues, give_way_to_a_file_that_was_changed_since) {
+TEST(WrittenValues, are_superseded_by_a_file_that_was_changed_later) {
     Settings file = settings();
     WrittenValues written;
     written.write(row(file, "FORGET_AFTER"), 5000, file);
@@ -114,7 +114,7 @@ TEST(WrittenValues, give_way_to_a_file_that_was_changed_since) {
     EXPECT_EQ(written.applied(file).gateway.forget_after, 30s) << "forgotten is forgotten";
 }
 
-TEST(WrittenValues, of_a_link_that_is_gone_are_forgotten) {
+TEST(WrittenValues, of_a_removed_link_are_forgotten) {
     Settings file = settings();
     WrittenValues written;
     written.write(row(file, "EN_fc"), 0, file);
@@ -123,7 +123,7 @@ TEST(WrittenValues, of_a_link_that_is_gone_are_forgotten) {
     EXPECT_TRUE(written.empty());
 }
 
-TEST(WrittenValues, tell_where_each_value_comes_from) {
+TEST(WrittenValues, name_the_source_of_each_value) {
     Settings file = settings();
     file.gateway.forget_after = 60s;
     WrittenValues written;
@@ -144,7 +144,7 @@ TEST(WrittenValues, are_kept_as_text) {
     EXPECT_EQ(WrittenValues::parse("{\"parameters\": {\"log/level\": 3}}"), std::nullopt);
 }
 
-TEST(WrittenValues, that_no_parameter_can_have_do_not_count) {
+TEST(WrittenValues, that_no_parameter_can_have_are_ignored) {
     const Settings file = settings();
     for (const char* value : {"7", "-1", "1e300"}) {
         const auto written = WrittenValues::parse(R"({"parameters": {"log/level": {"value": )" + std::string{value} +
@@ -154,7 +154,7 @@ TEST(WrittenValues, that_no_parameter_can_have_do_not_count) {
     }
 }
 
-TEST(WrittenValues, do_not_count_where_the_gateway_is_no_device) {
+TEST(WrittenValues, are_ignored_where_the_gateway_is_not_a_device) {
     Settings file = settings();
     WrittenValues written;
     written.write(row(file, "EN_fc"), 0, file);

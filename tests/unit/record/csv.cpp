@@ -38,13 +38,13 @@ std::vector<std::string> cells_of(std::string line) {
 
 const std::string first_columns = "time [s],link,peer,frame_direction,frame_cause,from,to,";
 
-TEST(Csv, has_a_column_a_field_with_its_unit) {
+TEST(Csv, has_one_column_per_field_with_its_unit) {
     EXPECT_EQ(heading_of(0x03), first_columns + "rol [°],pit [°],yaw [°],fusion_sta,mode,frame_extra,frame_data\n");
     EXPECT_EQ(line_of(support::frame(0xDC, 0xFE, 0x03, {0x7B, 0, 0, 0, 0, 0, 1})),
               "1763898044.123456789,fc,,in,,220,254,1.23,0,0,1,,,\n");
 }
 
-TEST(Csv, says_where_a_frame_passed) {
+TEST(Csv, names_the_link_peer_and_drop_cause_of_a_frame) {
     const Bytes frame = support::frame(0xDC, 0xFE, 0x03, {0x7B, 0, 0, 0, 0, 0, 1});
     RecordedFrame dropped = recorded(frame);
     dropped.direction = Direction::dropped;
@@ -55,7 +55,7 @@ TEST(Csv, says_where_a_frame_passed) {
     EXPECT_EQ(out, "1763898044.123456789,fc,\"a, \"\"b\"\"\",dropped,limited,220,254,1.23,0,0,1,,,\n");
 }
 
-TEST(Csv, has_the_bytes_of_what_it_can_not_read) {
+TEST(Csv, contains_the_bytes_of_frames_that_it_cannot_read) {
     EXPECT_EQ(heading_of(0x77), first_columns + "frame_extra,frame_data\n");
     EXPECT_EQ(line_of(support::frame(1, 2, 0x77, {0xAB, 0xCD})), "1763898044.123456789,fc,,in,,1,2,,abcd\n");
     EXPECT_EQ(line_of(support::frame(1, 2, 0x03, {0xAB})), "1763898044.123456789,fc,,in,,1,2,,,,,,,ab\n");
@@ -131,7 +131,7 @@ TEST(Csv, every_number_of_an_array_has_a_cell) {
     EXPECT_TRUE(out.ends_with(",5,254,0.1,-0.2,10,0.1,,\n")) << out;
 }
 
-TEST(Csv, times_have_nine_digits_behind_the_point) {
+TEST(Csv, times_have_nine_digits_after_the_point) {
     const Bytes frame = support::frame(1, 2, 0x77);
     RecordedFrame early = recorded(frame);
     early.time_ns = 1'000'000'007;
@@ -140,7 +140,7 @@ TEST(Csv, times_have_nine_digits_behind_the_point) {
     EXPECT_EQ(out, "1.000000007,fc,,in,,1,2,,\n");
 }
 
-TEST(Csv, what_has_no_column_is_in_the_data_of_the_frame) {
+TEST(Csv, fields_without_a_column_are_in_the_data_of_the_frame) {
     ano::FlexibleLayouts first, then;
     ASSERT_FALSE(first.add({.id = 0xF1, .fields = {{"a", ano::Type::u8, 1, ""}}}));
     ASSERT_FALSE(then.add({.id = 0xF1, .fields = {{"a", ano::Type::u8, 1, ""}, {"cells", ano::Type::u8, 1, "V", 2}}}));
@@ -156,7 +156,7 @@ TEST(Csv, what_has_no_column_is_in_the_data_of_the_frame) {
     EXPECT_NE(out.find(",a,cells.0 [V],cells.1 [V],"), std::string::npos) << out;
 }
 
-TEST(RecordedJson, is_as_monitor_shows_it) {
+TEST(RecordedJson, has_the_format_that_monitor_shows) {
     const Bytes frame = support::frame(0xDC, 0xFE, 0x03, {0x7B, 0, 0, 0, 0, 0, 1});
     const auto json = ano::Json::parse(recorded_json(Recorded{recorded(frame)}, {}));
     EXPECT_EQ(json["fields"]["rol"], 1.23);

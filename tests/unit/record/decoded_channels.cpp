@@ -58,7 +58,7 @@ std::string definition_of_message(const Bytes& frame) {
     return messages.empty() ? "" : without_comments(decoded.schemas()[decoded.channels()[messages[0].channel].schema].text);
 }
 
-TEST(DecodedChannels, a_message_has_a_channel_a_device_and_a_schema_for_all) {
+TEST(DecodedChannels, a_message_has_one_channel_per_device_and_one_common_schema) {
     DecodedChannels decoded{DecodedEncoding::cdr};
     EXPECT_EQ(topics_of(decoded, passed(euler)).front(), "/fc/device_220/euler");
     EXPECT_EQ(topics_of(decoded, passed(euler, "radio")).front(), "/radio/device_220/euler");
@@ -78,7 +78,7 @@ TEST(DecodedChannels, values_are_in_their_units) {
                     "00 00 00 00 00 00 00  00 00 00 00 00 00 F8 7F"));
 }
 
-TEST(DecodedChannels, what_a_layout_lacks_is_a_field_that_can_be_empty) {
+TEST(DecodedChannels, fields_missing_in_a_layout_can_be_empty) {
     const Bytes compass = support::frame(0xDC, 0xFE, 0x02, {1, 0, 2, 0, 3, 0, 0xFD, 0, 1});
     EXPECT_EQ(definition_of_message(compass),
               "int16 mag_x\nint16 mag_y\nint16 mag_z\nfloat64 tmp\nuint8 mag_sta\nfloat64 alt_bar\nfloat64 bar_sta\n");
@@ -89,7 +89,7 @@ TEST(DecodedChannels, what_a_layout_lacks_is_a_field_that_can_be_empty) {
                     "00 00 00 00  00 00 00 00 00 00 F8 7F  00 00 00 00 00 00 F8 7F"));
 }
 
-TEST(DecodedChannels, a_field_of_two_units_is_two_fields) {
+TEST(DecodedChannels, a_field_with_two_units_becomes_two_fields) {
     EXPECT_EQ(
         definition_of_message(support::frame(1, 2, 0x34, {1, 0, 0, 0, 0})),
         "float64 type\nfloat64 dist\nano_msgs/RangingPoint[] points\nfloat64 direction\nfloat64 angle\nfloat64 dist_field\n" +
@@ -103,20 +103,20 @@ TEST(DecodedChannels, meanings_are_constants_before_their_field) {
         "uint8 cmd1\n");
 }
 
-TEST(DecodedChannels, text_that_is_not_utf8_is_made_so) {
+TEST(DecodedChannels, text_that_is_not_utf8_is_converted_to_utf8) {
     DecodedChannels decoded{DecodedEncoding::cdr};
     EXPECT_EQ(decoded.decode(passed(support::frame(1, 2, 0xA0, {1, 'a', 0xFF, 'b', 0, 'c'})))[0].data,
               bytes("00 01 00 00  01 00 00 00 06 00 00 00 61 EF BF BD 62 00"));
 }
 
-TEST(DecodedChannels, what_left_or_was_dropped_is_not_told_twice) {
+TEST(DecodedChannels, sent_and_dropped_frames_are_not_decoded_again) {
     DecodedChannels decoded{DecodedEncoding::cdr};
     EXPECT_TRUE(decoded.decode(passed(euler, "fc", Direction::out)).empty());
     EXPECT_TRUE(decoded.decode(passed(euler, "fc", Direction::dropped)).empty());
     EXPECT_TRUE(decoded.channels().empty());
 }
 
-TEST(DecodedChannels, what_the_table_does_not_have_is_not_decoded) {
+TEST(DecodedChannels, frames_that_the_table_does_not_describe_are_not_decoded) {
     DecodedChannels decoded{DecodedEncoding::cdr};
     EXPECT_TRUE(decoded.decode(passed(support::frame(1, 2, 0x77, {1, 2}))).empty());
     EXPECT_TRUE(decoded.decode(passed(support::frame(1, 2, 0x03, {1, 2}))).empty());
@@ -130,7 +130,7 @@ TEST(DecodedChannels, what_the_table_does_not_have_is_not_decoded) {
     EXPECT_TRUE(decoded.schemas().empty());
 }
 
-TEST(DecodedChannels, names_of_links_become_names_of_ros) {
+TEST(DecodedChannels, link_names_become_valid_ros_names) {
     DecodedChannels decoded{DecodedEncoding::cdr};
     const auto topic = [&](std::string_view link) { return topics_of(decoded, passed(euler, link)).front(); };
     EXPECT_EQ(topic("fc-1"), "/fc_1/device_220/euler");
@@ -143,7 +143,7 @@ TEST(DecodedChannels, names_of_links_become_names_of_ros) {
     EXPECT_EQ(topic(std::string(1000, 'x')), '/' + std::string(64, 'x') + "/device_220/euler");
 }
 
-TEST(DecodedChannels, there_are_no_more_than_so_many) {
+TEST(DecodedChannels, are_limited_in_number) {
     DecodedChannels decoded{DecodedEncoding::cdr};
     for (int i = 0; i < 5000; ++i) decoded.decode(passed(euler, "link " + std::to_string(i)));
     EXPECT_EQ(decoded.channels().size(), DecodedChannels::max_channels);
@@ -154,7 +154,7 @@ TEST(DecodedChannels, there_are_no_more_than_so_many) {
     EXPECT_EQ(decoded.channels().size(), DecodedChannels::max_channels);
 }
 
-TEST(DecodedChannels, json_has_what_decode_shows_of_the_fields) {
+TEST(DecodedChannels, json_contains_the_fields_as_decode_shows_them) {
     DecodedChannels decoded{DecodedEncoding::json};
     EXPECT_EQ(decoded.decode(passed(euler))[0].data, R"({"rol":1.23,"pit":-45.67,"yaw":0.0,"fusion_sta":1})");
     EXPECT_EQ(decoded.schemas()[0].encoding, "jsonschema");
@@ -188,7 +188,7 @@ bool has_what_its_schema_says(const ano::Json& object, const ano::Json& schema) 
            });
 }
 
-TEST(DecodedChannels, standard_messages_stand_beside_ours_in_either_encoding) {
+TEST(DecodedChannels, standard_messages_accompany_the_decoded_ones_in_both_encodings) {
     DecodedChannels cdr{DecodedEncoding::cdr}, json{DecodedEncoding::json};
     EXPECT_EQ(topics_of(json, passed(euler)), topics_of(cdr, passed(euler)));
     const Bytes compass = support::frame(0xDC, 0xFE, 0x02, {1, 0, 2, 0, 3, 0, 0xFD, 0, 1});
@@ -204,7 +204,7 @@ TEST(DecodedChannels, standard_messages_stand_beside_ours_in_either_encoding) {
     EXPECT_EQ(schema.encoding, "jsonschema");
 }
 
-TEST(DecodedChannels, every_json_is_as_its_schema_says) {
+TEST(DecodedChannels, every_json_matches_its_schema) {
     for (const support::Vector& vector : support::golden_vectors()) {
         DecodedChannels decoded{DecodedEncoding::json};
         const auto messages = decoded.decode(passed(vector.bytes));
@@ -232,7 +232,7 @@ DecodingPtr decoding(std::vector<ano::FlexibleSpec> flexible, std::set<std::stri
     return std::make_shared<const Decoding>(std::move(flexible), std::move(lx));
 }
 
-TEST(DecodedChannels, flexible_messages_of_each_value_of_their_first_field_are_a_channel) {
+TEST(DecodedChannels, flexible_messages_have_a_channel_for_each_value_of_their_first_field) {
     const ano::FlexibleField kind{"kind", ano::Type::u8, 1, ""};
     DecodedChannels decoded{
         DecodedEncoding::cdr,
@@ -248,7 +248,7 @@ TEST(DecodedChannels, flexible_messages_of_each_value_of_their_first_field_are_a
     EXPECT_TRUE(decoded.decode(passed(support::frame(5, 0xFE, 0xF1, {5, 9}))).empty());
 }
 
-TEST(DecodedChannels, other_layouts_are_new_channels) {
+TEST(DecodedChannels, changed_layouts_create_new_channels) {
     DecodedChannels decoded{DecodedEncoding::cdr};
     const Bytes frame = support::frame(5, 0xFE, 0xF1, {7, 1});
     EXPECT_TRUE(decoded.decode(passed(frame)).empty());

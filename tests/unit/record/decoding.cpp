@@ -69,7 +69,7 @@ std::vector<std::string> names_of(std::string_view file, std::size_t step = 4096
 }
 
 // 模 in GBK, and ģ in UTF-8.
-TEST(SenderEncodings, are_those_of_the_link_by_which_a_sender_came) {
+TEST(SenderEncodings, are_those_of_the_link_that_received_the_sender) {
     const Decoding decoding{{}, {}, {{"gbk", LinkTexts::gbk}, {"utf8", LinkTexts::utf8}, {"old", LinkTexts::expect_gbk}}};
     const auto log = [](std::uint8_t from, std::uint8_t to, const Bytes& text) {
         return support::frame(from, to, 0xA0, Bytes{0} + text);
@@ -90,7 +90,7 @@ TEST(SenderEncodings, are_those_of_the_link_by_which_a_sender_came) {
 
 using Names = std::vector<std::string>;
 
-TEST(Decoding, comes_back_from_its_text) {
+TEST(Decoding, is_restored_from_its_text) {
     const Decoding decoding{
         {{.id = 0xF1, .source = 30, .fields = {{"a", ano::Type::i16, 0.1, "V", 4}}, .endian = ano::ByteOrder::big},
          {.id = 0xF1, .fields = {{"kind", ano::Type::u8, 1, ""}}, .when = 3}},
@@ -109,7 +109,7 @@ TEST(Decoding, comes_back_from_its_text) {
         EXPECT_EQ(Decoding::parse(wrong), nullptr) << wrong;
 }
 
-TEST(Decoding, is_in_recordings_of_both_formats_also_when_it_changes) {
+TEST(Decoding, is_stored_in_recordings_of_both_formats_even_when_it_changes) {
     for (const RecordingFormat format : {RecordingFormat::pcapng, RecordingFormat::mcap}) {
         EXPECT_EQ(names_of(recorded(format, with("before"), with("after"))), (Names{"before", "after"})) << text(format);
         EXPECT_EQ(names_of(recorded(format, {}, with("after")), 1), (Names{"", "after"})) << text(format);
@@ -119,7 +119,7 @@ TEST(Decoding, is_in_recordings_of_both_formats_also_when_it_changes) {
     }
 }
 
-TEST(Decoding, makes_messages_of_flexible_frames_in_mcap) {
+TEST(Decoding, turns_flexible_frames_into_messages_in_mcap) {
     const std::string file = recorded(RecordingFormat::mcap, with("before"), with("after"));
     std::string_view rest{file};
     rest.remove_prefix(mcap::magic.size());
@@ -137,7 +137,7 @@ TEST(Decoding, makes_messages_of_flexible_frames_in_mcap) {
     EXPECT_NE(schemas[1].find("uint8 after"), std::string::npos);
 }
 
-TEST(Decoding, is_in_what_the_index_of_mcap_tells) {
+TEST(Decoding, is_part_of_the_mcap_index) {
     const std::string file = recorded(RecordingFormat::mcap, with("before"), with("after"));
     const auto index = read_mcap_index(
         file.size(), [&](std::uint64_t at, std::size_t size) { return file.substr(static_cast<std::size_t>(at), size); });
@@ -146,7 +146,7 @@ TEST(Decoding, is_in_what_the_index_of_mcap_tells) {
     EXPECT_EQ(name_in(index->head.decoding), "after");
 }
 
-TEST(Decoding, stays_in_a_recording_that_was_cut_and_repaired) {
+TEST(Decoding, is_kept_in_a_recording_that_was_truncated_and_repaired) {
     for (const RecordingFormat format : {RecordingFormat::pcapng, RecordingFormat::mcap}) {
         std::size_t until_change = 0;
         const std::string whole = recorded(format, with("before"), with("after"), &until_change);

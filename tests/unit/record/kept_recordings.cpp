@@ -31,24 +31,24 @@ std::string names_of_those_that_go(const std::vector<KeptRecording>& kept, const
 
 const std::vector<KeptRecording> three{recording("b", 200, 20s), recording("c", 300, 10s), recording("a", 100, 30s)};
 
-TEST(KeptRecordings, without_a_limit_none_goes) {
+TEST(KeptRecordings, without_a_limit_none_is_deleted) {
     EXPECT_EQ(names_of_those_that_go(three, {}, 0), "");
     EXPECT_EQ(names_of_those_that_go({}, {1, 1s, 1}, 0), "");
 }
 
-TEST(KeptRecordings, the_oldest_go_until_the_others_fit) {
+TEST(KeptRecordings, the_oldest_are_deleted_until_the_others_fit) {
     EXPECT_EQ(names_of_those_that_go(three, {.bytes = 600, .age = {}, .free = 0}), "");
     EXPECT_EQ(names_of_those_that_go(three, {.bytes = 599, .age = {}, .free = 0}), "a ");
     EXPECT_EQ(names_of_those_that_go(three, {.bytes = 499, .age = {}, .free = 0}), "a b ");
     EXPECT_EQ(names_of_those_that_go(three, {.bytes = 1, .age = {}, .free = 0}), "a b ") << "the newest stays";
 }
 
-TEST(KeptRecordings, what_is_older_than_the_age_goes) {
+TEST(KeptRecordings, those_older_than_the_age_limit_are_deleted) {
     EXPECT_EQ(names_of_those_that_go(three, {.bytes = 0, .age = 30s, .free = 0}), "");
     EXPECT_EQ(names_of_those_that_go(three, {.bytes = 0, .age = 19s, .free = 0}), "a b ");
 }
 
-TEST(KeptRecordings, the_oldest_go_until_enough_of_the_disk_is_free) {
+TEST(KeptRecordings, the_oldest_are_deleted_until_enough_of_the_disk_is_free) {
     EXPECT_EQ(names_of_those_that_go(three, {.bytes = 0, .age = {}, .free = 1000}, 1000), "");
     EXPECT_EQ(names_of_those_that_go(three, {.bytes = 0, .age = {}, .free = 1000}, 900), "a ");
     EXPECT_EQ(names_of_those_that_go(three, {.bytes = 0, .age = {}, .free = 1000}, 899), "a b ");
@@ -56,7 +56,7 @@ TEST(KeptRecordings, the_oldest_go_until_enough_of_the_disk_is_free) {
     EXPECT_EQ(names_of_those_that_go(three, {.bytes = 0, .age = {}, .free = 1000}, 699), "") << "the newest stays";
 }
 
-TEST(KeptRecordings, what_was_just_saved_stays_and_so_does_the_newest_of_all) {
+TEST(KeptRecordings, the_one_just_saved_and_the_newest_are_kept) {
     EXPECT_EQ(recordings_to_delete(three, {.bytes = 299, .age = {}, .free = 0}, plenty).stays, std::optional<std::size_t>{1});
     EXPECT_EQ(recordings_to_delete(three, {.bytes = 300, .age = {}, .free = 0}, plenty).stays, std::nullopt);
     EXPECT_EQ(names_of_those_that_go({recording("a", 100, 30s)}, {.bytes = 1, .age = {}, .free = 0}), "");
@@ -79,7 +79,7 @@ TEST(KeptRecordings, what_was_just_saved_stays_and_so_does_the_newest_of_all) {
     EXPECT_EQ(names_of_those_that_go(kept, {.bytes = 0, .age = 19s, .free = 0}), "a b ") << "the age holds all the same";
 }
 
-TEST(KeptRecordings, the_newest_of_those_that_are_not_written_goes_only_when_the_disk_is_full_or_for_its_age) {
+TEST(KeptRecordings, the_newest_finished_one_is_deleted_only_on_a_full_disk_or_for_its_age) {
     std::vector<KeptRecording> kept = three;
     kept.push_back({"now", 50, now, true, {}});
     EXPECT_EQ(names_of_those_that_go(kept, {.bytes = 1, .age = {}, .free = 0}), "a b ");
@@ -92,19 +92,19 @@ TEST(KeptRecordings, the_newest_of_those_that_are_not_written_goes_only_when_the
     EXPECT_EQ(names_of_those_that_go(kept, {.bytes = 0, .age = 9s, .free = 0}), "a b c ");
 }
 
-TEST(KeptRecordings, the_files_of_one_recording_go_in_their_order_though_they_changed_in_the_same_second) {
+TEST(KeptRecordings, the_files_of_one_recording_are_deleted_in_order_even_if_changed_in_the_same_second) {
     std::vector<KeptRecording> files;
     for (const char* name : {"f-2.pcapng", "f-10.pcapng", "f.pcapng", "f-9.pcapng", "f-11.pcapng"})
         files.push_back(recording(name, 1, 5s));
     EXPECT_EQ(names_of_those_that_go(files, {.bytes = 1, .age = {}, .free = 0}), "f.pcapng f-2.pcapng f-9.pcapng f-10.pcapng ");
 }
 
-TEST(KeptRecordings, none_goes_in_vain_when_others_filled_the_disk) {
+TEST(KeptRecordings, none_is_deleted_in_vain_when_other_files_fill_the_disk) {
     EXPECT_EQ(names_of_those_that_go(three, {.bytes = 0, .age = {}, .free = 1000}, 399), "");
     EXPECT_EQ(names_of_those_that_go(three, {.bytes = 0, .age = 25s, .free = 1000}, 399), "a ") << "the age holds all the same";
 }
 
-TEST(KeptRecordings, the_one_that_is_written_never_goes_and_counts) {
+TEST(KeptRecordings, the_one_being_written_is_never_deleted_but_counts) {
     std::vector<KeptRecording> kept = three;
     kept[2].is_written = true;
     EXPECT_EQ(names_of_those_that_go(kept, {.bytes = 599, .age = {}, .free = 0}), "b ");
@@ -113,13 +113,13 @@ TEST(KeptRecordings, the_one_that_is_written_never_goes_and_counts) {
         << "its bytes can't be had";
 }
 
-TEST(KeptRecordings, of_those_of_one_age_the_one_that_was_changed_first_goes_first) {
+TEST(KeptRecordings, of_the_same_age_are_deleted_in_order_of_change) {
     std::vector<KeptRecording> kept{recording("a", 100, 5s), recording("b", 100, 5s)};
     kept[1].changed -= 1s;
     EXPECT_EQ(names_of_those_that_go(kept, {.bytes = 100, .age = {}, .free = 0}), "b ");
 }
 
-TEST(KeptRecordings, of_those_of_one_time_the_first_by_name_goes_first) {
+TEST(KeptRecordings, of_the_same_time_are_deleted_in_order_of_name) {
     const std::vector<KeptRecording> kept{recording("f-2", 100, 5s), recording("f-1", 100, 5s)};
     EXPECT_EQ(names_of_those_that_go(kept, {.bytes = 100, .age = {}, .free = 0}), "f-1 ");
 }
@@ -150,7 +150,7 @@ protected:
     std::chrono::seconds real = now, steady{500};
 };
 
-TEST_F(AgesOfRecordings, are_told_by_their_times_at_first_and_go_on_with_the_time) {
+TEST_F(AgesOfRecordings, are_first_computed_from_file_times_and_then_grow_with_time) {
     write("oldest", now - 20h);
     write("old", now - 9h);
     write("new", now - 5h);
@@ -164,7 +164,7 @@ TEST_F(AgesOfRecordings, are_told_by_their_times_at_first_and_go_on_with_the_tim
     EXPECT_EQ(age_of("later"), 10s);
 }
 
-TEST_F(AgesOfRecordings, are_at_first_what_they_were_however_far_ahead_the_clock_is) {
+TEST_F(AgesOfRecordings, do_not_depend_on_a_clock_that_is_far_ahead_at_the_start) {
     for (int day = 0; day < 5; ++day) write("flight-" + std::to_string(day), now - day * 24h);
     real += 80 * 365 * 24h;    // 2106
     all.push_back({"now", 100, real, true, {}});
@@ -177,7 +177,7 @@ TEST_F(AgesOfRecordings, are_at_first_what_they_were_however_far_ahead_the_clock
     EXPECT_EQ(all[0].age, 0s);
 }
 
-TEST_F(AgesOfRecordings, are_at_first_what_they_were_though_the_clock_was_not_set_yet) {
+TEST_F(AgesOfRecordings, do_not_depend_on_a_clock_that_is_not_set_at_the_start) {
     for (int day = 0; day < 5; ++day) write("flight-" + std::to_string(day), now - day * 24h);
     real = 100s;    // 1970
     EXPECT_EQ(age_of("flight-4"), 72h);
@@ -187,7 +187,7 @@ TEST_F(AgesOfRecordings, are_at_first_what_they_were_though_the_clock_was_not_se
     EXPECT_EQ(age_of("flight-0"), 10s);
 }
 
-TEST_F(AgesOfRecordings, are_none_of_what_is_far_ahead_and_it_goes_before_others_that_have_none) {
+TEST_F(AgesOfRecordings, are_zero_for_files_from_the_far_future_which_are_deleted_before_others_of_age_zero) {
     for (const auto clock : {now, now - 5 * 365 * 24h, 100s}) {    // set; the time of the system's build; 1970
         all.clear();
         write("flight", now - 1h);
@@ -202,7 +202,7 @@ TEST_F(AgesOfRecordings, are_none_of_what_is_far_ahead_and_it_goes_before_others
     }
 }
 
-TEST_F(AgesOfRecordings, of_others_are_not_told_by_what_is_far_ahead_of_a_clock_that_was_not_set_yet) {
+TEST_F(AgesOfRecordings, of_others_ignore_files_that_are_far_ahead_of_a_clock_that_is_not_set) {
     write("flight", now);
     write("before", now - 100h);
     write("oldest", now - 101h);
@@ -211,7 +211,7 @@ TEST_F(AgesOfRecordings, of_others_are_not_told_by_what_is_far_ahead_of_a_clock_
     EXPECT_EQ(age_of("oldest"), 1h) << "the longest pause is that of 100 h";
 }
 
-TEST_F(AgesOfRecordings, hold_though_the_clock_comes_back_from_far_ahead) {
+TEST_F(AgesOfRecordings, remain_correct_when_the_clock_returns_from_far_ahead) {
     write("before", now);
     write("far", now + 15 * 365 * 24h);
     write("further", now + 15 * 365 * 24h + 1s);
@@ -229,14 +229,14 @@ TEST_F(AgesOfRecordings, hold_though_the_clock_comes_back_from_far_ahead) {
     EXPECT_TRUE(all[2].is_far_ahead);
 }
 
-TEST_F(AgesOfRecordings, without_a_pause_that_is_left_out_come_with_the_time) {
+TEST_F(AgesOfRecordings, grow_with_time_if_no_pause_is_left_out) {
     write("flight", now - 500h);
     EXPECT_EQ(age_of("flight"), 0s);
     pass(30h);
     EXPECT_EQ(age_of("flight"), 30h);
 }
 
-TEST_F(AgesOfRecordings, begin_anew_with_each_change) {
+TEST_F(AgesOfRecordings, restart_with_each_change) {
     write("flight", now - 5h);
     write("others", now);
     write("oldest", now - 11h);
@@ -251,7 +251,7 @@ TEST_F(AgesOfRecordings, begin_anew_with_each_change) {
     EXPECT_EQ(age_of("oldest"), 12s);
 }
 
-TEST_F(AgesOfRecordings, are_not_told_by_a_clock_that_was_never_set) {
+TEST_F(AgesOfRecordings, are_not_computed_from_times_of_a_clock_that_was_never_set) {
     write("flight", 300s);
     EXPECT_EQ(age_of("flight"), 0s) << "1970";
     write("oldest", 1'577'836'800s);
@@ -264,7 +264,7 @@ TEST_F(AgesOfRecordings, are_not_told_by_a_clock_that_was_never_set) {
     EXPECT_EQ(all[2].age, 0s);
 }
 
-TEST_F(AgesOfRecordings, stay_as_they_are_when_the_clock_is_set) {
+TEST_F(AgesOfRecordings, do_not_change_when_the_clock_is_set) {
     real = 100s;    // 1970
     write("before", now - 1h);
     EXPECT_EQ(age_of("before"), 0s);
@@ -288,7 +288,7 @@ TEST_F(AgesOfRecordings, stay_as_they_are_when_the_clock_is_set) {
     EXPECT_EQ(age_of("before"), 50s);
 }
 
-TEST_F(AgesOfRecordings, of_one_that_was_gone_meanwhile_begin_anew) {
+TEST_F(AgesOfRecordings, of_a_recording_that_was_missing_meanwhile_restart) {
     write("flight", now - 5h);
     ASSERT_EQ(age_of("flight"), 0s);
     pass(10s);

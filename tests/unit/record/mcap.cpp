@@ -70,7 +70,7 @@ std::uint64_t place_of(const std::string& file, const mcap::Record& record) {
     return static_cast<std::uint64_t>(record.whole.data() - file.data());
 }
 
-TEST(Crc32, is_that_of_zip) {
+TEST(Crc32, matches_the_crc_of_zip) {
     EXPECT_EQ(crc32_of("123456789"), 0xCBF43926u);
     EXPECT_EQ(crc32_of(""), 0u);
     Crc32 crc;
@@ -79,7 +79,7 @@ TEST(Crc32, is_that_of_zip) {
     EXPECT_EQ(crc32_of("The quick brown fox jumps over the lazy dog"), 0x414FA339u);
 }
 
-TEST(Mcap, gives_back_all_that_was_written) {
+TEST(Mcap, reads_back_everything_that_was_written) {
     const auto items = a_bit_of_everything();
     for (const std::size_t often : {0u, 1u, 3u}) {
         const auto read = read_recording(write_mcap(items, true, often), 5);
@@ -93,7 +93,7 @@ TEST(Mcap, gives_back_all_that_was_written) {
     }
 }
 
-TEST(Mcap, says_that_a_recording_was_not_ended) {
+TEST(Mcap, reports_that_a_recording_was_not_ended) {
     const auto read = read_recording(write_mcap({came(euler)}, false));
     EXPECT_FALSE(read.has_end);
     EXPECT_EQ(read.items.size(), 1u);
@@ -103,7 +103,7 @@ TEST(Mcap, says_that_a_recording_was_not_ended) {
     EXPECT_TRUE(none.items.empty());
 }
 
-TEST(Mcap, what_was_flushed_is_read_of_a_file_that_ends_there) {
+TEST(Mcap, flushed_data_is_read_from_a_file_that_ends_there) {
     std::string file;
     McapWriter writer{head, file};
     const KeptItem item = came(euler);
@@ -117,7 +117,7 @@ TEST(Mcap, what_was_flushed_is_read_of_a_file_that_ends_there) {
     EXPECT_EQ(file.size(), before);    // nothing new was written
 }
 
-TEST(Mcap, gives_all_that_is_whole_before_a_cut_at_any_byte) {
+TEST(Mcap, returns_all_complete_items_before_a_cut_at_any_byte) {
     const auto items = a_bit_of_everything();
     const std::string file = write_mcap(items, true, 2);
     std::vector<KeptItem> read;
@@ -150,7 +150,7 @@ TEST(Mcap, a_chunk_is_ended_when_it_has_a_mebibyte) {
 }
 
 // Messages as other programs find them: summary, chunk index, message index.
-TEST(Mcap, its_indexes_lead_to_every_message) {
+TEST(Mcap, indexes_lead_to_every_message) {
     const auto items = a_bit_of_everything();
     const std::string file = write_mcap(items, true, 2);
     std::map<std::uint64_t, std::size_t> found;    // by log_time
@@ -199,7 +199,7 @@ TEST(Mcap, its_indexes_lead_to_every_message) {
     EXPECT_EQ(found[head.time_ns + 1 - 3'600'000'000'000], 2u);    // the last loss has the time of the previous frame
 }
 
-TEST(Mcap, a_loss_that_no_frame_follows_is_in_a_file_that_was_flushed) {
+TEST(Mcap, a_loss_without_a_following_frame_is_written_by_a_flush) {
     const std::string file = write_mcap({came(euler), lost(7, "euler 7")}, false,
                                         1);    // without an end, as of a killed program
     const auto items = read_recording(file).items;
@@ -210,7 +210,7 @@ TEST(Mcap, a_loss_that_no_frame_follows_is_in_a_file_that_was_flushed) {
     ASSERT_EQ(more.size(), 3u) << "not once more with the next frame";
 }
 
-TEST(Mcap, its_checksums_and_offsets_are_those_of_its_bytes) {
+TEST(Mcap, checksums_and_offsets_match_the_bytes) {
     const std::string file = write_mcap(a_bit_of_everything(), true, 2);
     const mcap::Record end = records_of(file, mcap::Opcode::data_end).at(0),
                        footer = records_of(file, mcap::Opcode::footer).at(0);
@@ -241,7 +241,7 @@ TEST(Mcap, its_checksums_and_offsets_are_those_of_its_bytes) {
     }
 }
 
-TEST(Mcap, counts_messages_that_are_no_whole_frame_and_goes_on) {
+TEST(Mcap, counts_messages_that_are_not_a_complete_frame_and_continues) {
     Bytes broken = euler;
     broken.back() ^= 1;
     const auto read = read_recording(write_mcap({came(broken), came(wind)}));
@@ -250,7 +250,7 @@ TEST(Mcap, counts_messages_that_are_no_whole_frame_and_goes_on) {
     EXPECT_EQ(read.items[0].frame, wind);
 }
 
-TEST(Mcap, says_what_it_does_not_read) {
+TEST(Mcap, reports_why_it_cannot_read_a_file) {
     EXPECT_EQ(read_recording("\x89PNG\r\n\x1A\n").fault, "it is not an MCAP file");
     EXPECT_EQ(read_recording("\x89MCAP1\r\n").fault, "it uses an unsupported version of MCAP");
     const std::string file = write_mcap(a_bit_of_everything());
@@ -278,7 +278,7 @@ std::string chunk_record(std::string_view compression, std::string_view bytes, s
     return record;
 }
 
-TEST(Mcap, a_chunk_is_what_it_tells_of_itself_or_it_is_not_read) {
+TEST(Mcap, a_chunk_that_contradicts_its_header_is_not_read) {
     const auto fault_of = [](const std::string& record) { return read_recording(file_of(record)).fault; };
     const auto skipped = [](const std::string& record) -> std::string {
         const auto read = read_recording(file_of(record));
@@ -338,7 +338,7 @@ DamagedFile with_damaged_chunks(const std::vector<std::size_t>& damaged, bool en
     return file;
 }
 
-TEST(Mcap, goes_on_behind_a_damaged_chunk_and_tells_what_was_in_it) {
+TEST(Mcap, continues_after_a_damaged_chunk_and_reports_its_content) {
     const DamagedFile file = with_damaged_chunks({1, 3});
     for (const std::size_t step : {std::size_t{7}, std::size_t{65536}}) {
         const auto read = read_recording(file.bytes, step);
@@ -358,7 +358,7 @@ TEST(Mcap, goes_on_behind_a_damaged_chunk_and_tells_what_was_in_it) {
 }
 
 // The damaged chunk contained the channel of frames.
-TEST(Mcap, finds_frames_also_where_the_chunk_that_told_their_channel_is_damaged) {
+TEST(Mcap, finds_frames_even_if_the_chunk_with_their_channel_is_damaged) {
     for (const bool is_ended : {true, false}) {
         const DamagedFile file = with_damaged_chunks({0}, is_ended);
         const auto read = read_recording(file.bytes);
@@ -369,7 +369,7 @@ TEST(Mcap, finds_frames_also_where_the_chunk_that_told_their_channel_is_damaged)
     }
 }
 
-TEST(Mcap, of_many_damaged_chunks_the_first_are_told_one_by_one) {
+TEST(Mcap, lists_only_the_first_of_many_damaged_chunks_one_by_one) {
     std::string records;
     constexpr std::uint64_t count = SkippedParts::max_told + 3;
     std::string index;    // of one message
@@ -388,7 +388,7 @@ TEST(Mcap, of_many_damaged_chunks_the_first_are_told_one_by_one) {
     EXPECT_EQ(read_recording(file_of(alone)).skipped.first.at(0).messages, std::nullopt);
 }
 
-TEST(Mcap, a_bomb_takes_no_more_memory_than_a_chunk_may_have) {
+TEST(Mcap, a_decompression_bomb_uses_no_more_memory_than_a_chunk_may_have) {
     std::string packed;
     ZstdPacker{}.pack(std::string(mcap::max_chunk + 1000, '\0'), packed);
     EXPECT_LT(packed.size(), 10000u);
@@ -397,7 +397,7 @@ TEST(Mcap, a_bomb_takes_no_more_memory_than_a_chunk_may_have) {
     EXPECT_LE(out.capacity(), 2u * 1024 * 1024);
 }
 
-TEST(Mcap, a_chunk_in_a_chunk_is_nothing) {
+TEST(Mcap, a_chunk_in_a_chunk_is_ignored) {
     const std::string inner = chunk_record("", "", 0);
     const auto read = read_recording(file_of(chunk_record("", inner + inner, 2 * inner.size())));
     EXPECT_EQ(read.fault, "");
@@ -405,7 +405,7 @@ TEST(Mcap, a_chunk_in_a_chunk_is_nothing) {
 }
 
 // As saved by `mcap` and others: without chunks, with other numbers, with additional fields after the known ones.
-TEST(Mcap, understands_what_others_saved) {
+TEST(Mcap, reads_files_saved_by_other_programs) {
     const KeptItem item = came(wind, "radio");
     std::string data, file;
     mcap::encode(support::frame_of(item), data);
@@ -428,7 +428,7 @@ TEST(Mcap, understands_what_others_saved) {
     EXPECT_EQ(read.items, std::vector<KeptItem>{item});
 }
 
-TEST(Mcap, tells_whether_anything_in_it_is_of_a_gateway) {
+TEST(Mcap, reports_whether_a_file_contains_gateway_data) {
     std::string records;
     mcap::put_channel(records, {1, 0, "/camera", "cdr"});
     mcap::put_message(records, {1, 0, 1, 1, "abc"});
@@ -442,7 +442,7 @@ TEST(Mcap, tells_whether_anything_in_it_is_of_a_gateway) {
     EXPECT_FALSE(ours.is_strange());
 }
 
-TEST(Mcap, a_message_that_is_no_cdr_is_none) {
+TEST(Mcap, a_message_that_is_not_valid_cdr_is_rejected) {
     std::string good;
     mcap::encode(support::frame_of(came(euler)), good);
     const auto read_with = [](std::string_view data) {

@@ -47,7 +47,7 @@ Reading read_index(const std::string& file) {
     return reading;
 }
 
-TEST(McapIndex, tells_what_all_of_the_file_comes_to_and_reads_little_of_it) {
+TEST(McapIndex, returns_the_totals_of_the_file_and_reads_little_of_it) {
     const auto items = flight(3000);
     std::string file;
     const auto writer = make_recording_writer(RecordingFormat::mcap, head, file,
@@ -71,13 +71,13 @@ TEST(McapIndex, tells_what_all_of_the_file_comes_to_and_reads_little_of_it) {
     EXPECT_LT(reading.bytes, file.size() / 100);
 }
 
-TEST(McapIndex, is_none_of_a_file_that_was_cut_at_any_byte) {
+TEST(McapIndex, is_rejected_if_the_file_is_cut_at_any_byte) {
     const std::string file = support::write_recording(RecordingFormat::mcap, flight(5), head);
     ASSERT_TRUE(read_index(file).index);
     for (std::size_t size = 0; size < file.size(); ++size) ASSERT_FALSE(read_index(file.substr(0, size)).index) << size;
 }
 
-TEST(McapIndex, is_none_where_a_byte_of_the_summary_is_another) {
+TEST(McapIndex, is_rejected_if_any_byte_of_the_summary_differs) {
     const std::string file = support::write_recording(RecordingFormat::mcap, flight(5), head);
     const std::string schema = "ano_msgs/msg/RecordedFrame";    // its first occurrence: in the data it is compressed
     const std::size_t summary = file.find(schema);
@@ -89,7 +89,7 @@ TEST(McapIndex, is_none_where_a_byte_of_the_summary_is_another) {
     }
 }
 
-TEST(McapIndex, is_none_where_the_counts_are_not_those_of_the_statistics) {
+TEST(McapIndex, is_rejected_if_the_counts_contradict_the_statistics) {
     std::string file = support::write_recording(RecordingFormat::mcap, flight(5), head);
     const std::size_t frames = file.find("{\"frames\":5,");
     ASSERT_NE(frames, std::string::npos);
@@ -97,7 +97,7 @@ TEST(McapIndex, is_none_where_the_counts_are_not_those_of_the_statistics) {
     EXPECT_FALSE(read_index(file).index);
 }
 
-TEST(McapIndex, is_none_where_the_file_can_not_be_read) {
+TEST(McapIndex, is_rejected_if_the_file_cannot_be_read) {
     EXPECT_FALSE(read_mcap_index(1 << 30, [](std::uint64_t, std::size_t) { return std::string{}; }));
     EXPECT_FALSE(read_mcap_index(~std::uint64_t{0}, [](std::uint64_t, std::size_t size) { return std::string(size, '\xFF'); }));
 }

@@ -46,7 +46,7 @@ void put(std::string& bytes, std::size_t at, T value) {
     for (std::size_t i = 0; i < sizeof value; ++i) bytes[at + i] = static_cast<char>(value >> 8 * i & 0xFF);
 }
 
-TEST(Pcapng, gives_back_all_that_was_written) {
+TEST(Pcapng, reads_back_everything_that_was_written) {
     const auto items = a_bit_of_everything();
     const auto read = read_pcapng(write_pcapng(items, head), 5);
     EXPECT_EQ(read.items, items);
@@ -57,7 +57,7 @@ TEST(Pcapng, gives_back_all_that_was_written) {
     EXPECT_EQ(read.fault + std::to_string(read.unfinished), "0");
 }
 
-TEST(Pcapng, says_that_a_recording_was_not_ended) {
+TEST(Pcapng, reports_that_a_recording_was_not_ended) {
     const auto read = read_pcapng(write_pcapng({came(euler)}, head, false));
     EXPECT_FALSE(read.has_end);
     EXPECT_EQ(read.items.size(), 1u);
@@ -66,7 +66,7 @@ TEST(Pcapng, says_that_a_recording_was_not_ended) {
     EXPECT_TRUE(none.items.empty());
 }
 
-TEST(Pcapng, gives_all_that_is_whole_before_a_cut_at_any_byte) {
+TEST(Pcapng, returns_all_complete_items_before_a_cut_at_any_byte) {
     const auto items = a_bit_of_everything();
     const std::string file = write_pcapng(items, head);
     std::size_t before = 0;
@@ -81,7 +81,7 @@ TEST(Pcapng, gives_all_that_is_whole_before_a_cut_at_any_byte) {
     EXPECT_EQ(before, items.size());
 }
 
-TEST(Pcapng, understands_what_a_machine_of_the_other_byte_order_wrote) {
+TEST(Pcapng, reads_files_of_the_other_byte_order) {
     // A section, an interface in microseconds, and a packet, all big endian.
     std::string file;
     const auto big = [&](std::uint64_t number, int bytes) {
@@ -102,7 +102,7 @@ TEST(Pcapng, understands_what_a_machine_of_the_other_byte_order_wrote) {
     EXPECT_EQ(read.items[0].frame, euler);
 }
 
-TEST(Pcapng, goes_on_behind_files_that_were_joined) {
+TEST(Pcapng, reads_all_of_several_joined_files) {
     const auto first = a_bit_of_everything();
     const auto read = read_pcapng(write_pcapng(first, head) + write_pcapng({came(wind, "radio")}, head));
     ASSERT_EQ(read.items.size(), first.size() + 1);
@@ -110,7 +110,7 @@ TEST(Pcapng, goes_on_behind_files_that_were_joined) {
     EXPECT_FALSE(read_pcapng(write_pcapng(first, head) + write_pcapng({came(wind)}, head, false)).has_end);
 }
 
-TEST(Pcapng, counts_packets_that_are_no_whole_frame_and_goes_on) {
+TEST(Pcapng, counts_packets_that_are_not_a_complete_frame_and_continues) {
     Bytes broken = euler;
     broken.back() ^= 1;
     const auto read = read_pcapng(write_pcapng({came(broken), came(wind)}, head));
@@ -128,14 +128,14 @@ TEST(Pcapng, a_packet_is_one_frame_and_nothing_else) {
     EXPECT_TRUE(read.items.empty());
 }
 
-TEST(Pcapng, says_once_who_is_at_a_channel) {
+TEST(Pcapng, names_the_peer_of_a_channel_once) {
     const std::string file = write_pcapng(a_bit_of_everything(), head);
     const auto first = file.find("channel 3: 192.168.1.20:6000");
     ASSERT_NE(first, std::string::npos);
     EXPECT_EQ(file.find("channel 3: 192.168.1.20:6000", first + 1), std::string::npos);
 }
 
-TEST(Pcapng, passes_over_blocks_that_it_does_not_know) {
+TEST(Pcapng, skips_unknown_blocks) {
     const std::string one = write_pcapng({came(euler)}, head);
     std::string other(16, '\0');
     put(other, 0, std::uint32_t{0x0BAD});
@@ -144,7 +144,7 @@ TEST(Pcapng, passes_over_blocks_that_it_does_not_know) {
     EXPECT_EQ(read_pcapng(one + other + one).items.size(), 2u);
 }
 
-TEST(Pcapng, stops_at_a_block_that_is_none_and_says_why) {
+TEST(Pcapng, stops_at_an_invalid_block_and_reports_why) {
     const std::string good = write_pcapng({came(euler)}, head);
     const auto fault_behind = [&](std::uint32_t type, std::uint32_t size, std::uint32_t end) {
         std::string block(16, '\0');
@@ -163,7 +163,7 @@ TEST(Pcapng, stops_at_a_block_that_is_none_and_says_why) {
     EXPECT_EQ(read_pcapng("not a capture at all").fault, "it is neither pcapng nor MCAP");
 }
 
-TEST(Pcapng, a_packet_says_nothing_that_is_outside_of_its_block) {
+TEST(Pcapng, a_packet_must_stay_within_its_block) {
     const std::string good = write_pcapng({came(euler)}, head, false);
     const std::size_t packet = good.size() - 72;    // 28 and 16 bytes of it, its options, and the last length
     ASSERT_EQ(static_cast<std::uint8_t>(good[packet]), 6);
@@ -194,7 +194,7 @@ std::string block_of(std::uint32_t type, std::uint32_t size) {
     return block;
 }
 
-TEST(Pcapng, goes_on_behind_a_damaged_block_whose_lengths_are_right) {
+TEST(Pcapng, continues_after_a_damaged_block_with_valid_lengths) {
     const std::string good = write_pcapng({came(euler)}, head, false);
     const std::string_view packet = std::string_view{good}.substr(good.size() - 72);
     const std::string damaged = block_of(6, 16);    // a packet of 4 bytes
@@ -210,7 +210,7 @@ TEST(Pcapng, goes_on_behind_a_damaged_block_whose_lengths_are_right) {
     EXPECT_EQ(read.skipped.first.at(0), (SkippedPart{good.size(), damaged.size(), 1, "a packet is too short"}));
 }
 
-TEST(Pcapng, interfaces_keep_their_numbers_behind_a_damaged_one) {
+TEST(Pcapng, interfaces_keep_their_numbers_after_a_damaged_one) {
     const std::string good = write_pcapng({came(euler)}, head, false);
     const std::size_t section = static_cast<unsigned char>(good[4]);
     std::string file = good.substr(0, section) + block_of(1, 12) + good.substr(section);
@@ -227,7 +227,7 @@ TEST(Pcapng, long_texts_are_cut_between_characters) {
     EXPECT_EQ(read_pcapng(write_pcapng({item}, head)).items.at(0).link, std::string(1023, 'x'));
 }
 
-TEST(Pcapng, takes_times_of_any_resolution) {
+TEST(Pcapng, reads_times_of_any_resolution) {
     const std::string good = write_pcapng({came(euler)}, head, false);
     const auto time_with = [&](std::uint8_t resolution, std::uint64_t units) {
         std::string file = good;

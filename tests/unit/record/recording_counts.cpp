@@ -30,7 +30,7 @@ RecordingCounts some() {
     return counts;
 }
 
-TEST(RecordingCounts, adds_up_what_a_recording_has) {
+TEST(RecordingCounts, add_up_the_content_of_a_recording) {
     const RecordingCounts counts = some();
     EXPECT_EQ(counts.frames, 2u);
     EXPECT_EQ(counts.bytes, euler.size() + wind.size());
@@ -49,7 +49,7 @@ TEST(RecordingCounts, their_json_keeps_everything) {
     EXPECT_EQ(RecordingCounts::of_json(RecordingCounts{}.json()), RecordingCounts{});
 }
 
-TEST(RecordingCounts, what_is_not_their_json_is_nothing) {
+TEST(RecordingCounts, reject_invalid_json) {
     const std::string good = some().json();
     for (const char* text : {"", "{}", "[]", "{\"frames\": -1}", "nonsense"})
         EXPECT_FALSE(RecordingCounts::of_json(text)) << text;

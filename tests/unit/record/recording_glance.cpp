@@ -38,7 +38,7 @@ RecordingGlance glance(const std::string& file, std::size_t size = glance_size) 
                      std::string_view{file}.substr(file.size() > size ? file.size() - size : 0));
 }
 
-TEST(RecordingGlance, tells_who_wrote_it_when_it_began_and_how_many_frames_it_has) {
+TEST(RecordingGlance, reports_the_program_the_start_time_and_the_number_of_frames) {
     const RecordingGlance seen = glance(recording(5000, true, 64));
     EXPECT_EQ(seen.head.program, head.program);
     EXPECT_EQ(seen.head.time_ns, head.time_ns);
@@ -46,7 +46,7 @@ TEST(RecordingGlance, tells_who_wrote_it_when_it_began_and_how_many_frames_it_ha
     EXPECT_EQ(seen.frames, 5000u);
 }
 
-TEST(RecordingGlance, tells_how_long_it_is_from_its_first_frame_to_its_last) {
+TEST(RecordingGlance, reports_the_duration_from_the_first_frame_to_the_last) {
     const auto seconds = [](std::uint64_t first, std::uint64_t last, std::uint64_t first_boot = 0, std::uint64_t last_boot = 0,
                             bool end = true) {
         auto items = items_of(3000, 3);
@@ -67,25 +67,25 @@ TEST(RecordingGlance, tells_how_long_it_is_from_its_first_frame_to_its_last) {
     EXPECT_EQ(glance(recording(0, true)).seconds, std::nullopt);
 }
 
-TEST(RecordingGlance, of_one_without_frames_has_an_end) {
+TEST(RecordingGlance, of_a_file_without_frames_has_an_end) {
     const RecordingGlance seen = glance(recording(0, true));
     EXPECT_TRUE(seen.is_ended);
     EXPECT_EQ(seen.frames, 0u);
 }
 
-TEST(RecordingGlance, of_one_that_was_not_ended_says_so) {
+TEST(RecordingGlance, of_a_file_that_was_not_ended_reports_this) {
     const RecordingGlance seen = glance(recording(5000, false));
     EXPECT_EQ(seen.head.program, head.program);
     EXPECT_FALSE(seen.is_ended);
     EXPECT_FALSE(seen.frames.has_value());
 }
 
-TEST(RecordingGlance, of_what_is_no_recording_has_no_program) {
+TEST(RecordingGlance, of_a_file_that_is_not_a_recording_has_no_program) {
     for (const std::string& text : {std::string{}, std::string{"hello"}, std::string(100'000, 'x'), std::string(40, '\0')})
         EXPECT_EQ(glance(text).head.program, "");
 }
 
-TEST(RecordingGlance, of_one_cut_anywhere_neither_fails_nor_takes_it_for_whole) {
+TEST(RecordingGlance, of_a_file_cut_anywhere_neither_fails_nor_reports_it_as_complete) {
     const std::string whole = recording(20, true);
     const std::string frames_alone = recording(20, false);
     for (std::size_t size = 0; size <= whole.size(); ++size) {
@@ -103,7 +103,7 @@ RecordingGlance glance_at_mcap(const std::string& file) {
                      bytes.substr(file.size() > glance_size ? file.size() - glance_size : 0));
 }
 
-TEST(RecordingGlance, knows_whose_an_mcap_file_is_and_whether_it_was_ended) {
+TEST(RecordingGlance, reports_the_program_of_an_mcap_file_and_whether_it_was_ended) {
     const auto items = items_of(300, 2);
     const std::string begun = support::write_recording(RecordingFormat::mcap, items, head, false);
     const std::string ended = support::write_recording(RecordingFormat::mcap, items, head);
@@ -131,7 +131,7 @@ TEST(RecordingGlance, knows_whose_an_mcap_file_is_and_whether_it_was_ended) {
 }
 
 // As made by a program that filters recordings: it keeps their Metadata, but writes its own before it.
-TEST(RecordingGlance, takes_an_mcap_file_that_another_program_saved_for_none_of_ours) {
+TEST(RecordingGlance, does_not_recognize_an_mcap_file_saved_by_another_program) {
     std::string file{mcap::magic};
     for (const std::string_view program : {"filter", "anogated 0.1.0"})
         mcap::put_metadata(file, mcap::head_name, {{"program", program}});

@@ -61,7 +61,7 @@ std::vector<KeptItem> flight(std::size_t frames) {
 
 class Repair : public testing::TestWithParam<RecordingFormat> {};
 
-TEST_P(Repair, a_file_cut_at_any_byte_has_all_that_was_whole_before) {
+TEST_P(Repair, keeps_everything_that_was_complete_before_a_cut_at_any_byte) {
     const auto items = flight(40);
     const std::string file = support::write_recording(GetParam(), items, head, true, 8);
     const std::size_t head_size = support::write_recording(GetParam(), {}, head, false).size();
@@ -100,7 +100,7 @@ std::uint64_t frames_in(std::string_view file) {
         std::count_if(items.begin(), items.end(), [](const KeptItem& item) { return !item.frame.empty(); }));
 }
 
-TEST_P(Repair, a_file_cut_at_every_byte_of_its_last_mebibyte) {
+TEST_P(Repair, repairs_a_file_cut_at_every_byte_of_its_last_mebibyte) {
     constexpr std::size_t mebibyte = 1024 * 1024, frames = 280, frame_size = 4000;
     support::Random random{1};
     auto items = flight(frames);
@@ -139,7 +139,7 @@ TEST_P(Repair, a_file_cut_at_every_byte_of_its_last_mebibyte) {
     EXPECT_GT(files, 10u);
 }
 
-TEST_P(Repair, a_file_cut_behind_its_last_frame_is_the_same_bytes_again) {
+TEST_P(Repair, restores_the_same_bytes_if_a_file_is_cut_after_its_last_frame) {
     const std::string file = support::write_recording(GetParam(), flight(40), head, true, 8);
     const std::string unended = support::write_recording(GetParam(), flight(40), head, false, 8);
     ASSERT_TRUE(file.starts_with(unended));
@@ -153,7 +153,7 @@ TEST_P(Repair, a_file_cut_behind_its_last_frame_is_the_same_bytes_again) {
     EXPECT_EQ(repaired(unended, repair(GetParam(), unended)), file);
 }
 
-TEST_P(Repair, what_power_left_of_zeros_or_of_nonsense_is_cut_off) {
+TEST_P(Repair, cuts_off_zeros_or_garbage_left_by_a_power_loss) {
     const auto items = flight(40);
     const std::string file = support::write_recording(GetParam(), items, head, false, 8);
     for (const std::string& rest : {std::string(5000, '\0'), std::string(5000, '\xA5'), file.substr(file.size() / 2)}) {
@@ -195,7 +195,7 @@ bool has_indexes_right_behind_their_chunks(std::string_view file) {
     return true;
 }
 
-TEST_P(Repair, a_damaged_part_stays_where_something_good_is_behind_it) {
+TEST_P(Repair, keeps_a_damaged_part_if_valid_data_follows) {
     const auto items = flight(40);
     const std::string file = support::write_recording(GetParam(), items, head, false, 8);
     std::string damaged = file;
@@ -250,7 +250,7 @@ TEST_P(Repair, a_damaged_part_stays_where_something_good_is_behind_it) {
     EXPECT_EQ(rest.items, read_recording(bad_end).items);
 }
 
-TEST_P(Repair, what_is_given_in_pieces_comes_to_the_same) {
+TEST_P(Repair, returns_the_same_result_for_input_in_pieces) {
     const std::string file = support::write_recording(GetParam(), flight(40), head, true, 8);
     const auto cut = std::string_view{file}.substr(0, file.size() * 2 / 3);
     const auto whole = repair(GetParam(), cut, cut.size()), pieces = repair(GetParam(), cut, 7);
@@ -259,7 +259,7 @@ TEST_P(Repair, what_is_given_in_pieces_comes_to_the_same) {
     EXPECT_EQ(whole.frames, pieces.frames);
 }
 
-TEST_P(Repair, what_is_no_recording_stays_as_it_is) {
+TEST_P(Repair, leaves_files_that_are_not_recordings_unchanged) {
     for (const std::string file : {"", "text", "\x89MCAP0\r\n", "\x0A\x0D\x0D\x0A"}) {
         EXPECT_FALSE(repair(GetParam(), file).is_recording);
     }

@@ -23,7 +23,7 @@ ano::Duration due(ReplayClock& clock, std::chrono::nanoseconds time, std::chrono
 
 bool may(const Bytes& frame) { return may_command(ano::FrameView{frame}); }
 
-TEST(Replay, says_nothing_again_that_may_move_a_vehicle) {
+TEST(Replay, does_not_replay_frames_that_may_move_a_vehicle) {
     EXPECT_FALSE(may(euler));
     EXPECT_FALSE(may(support::frame(0xDC, 0xFF, 0xA0, {1, 'a'})));
     EXPECT_TRUE(may(support::frame(0xFE, 0xDC, 0x03, {0x7B, 0, 0, 0, 0, 0, 1})));    // of a host
@@ -39,7 +39,7 @@ TEST(Replay, says_nothing_again_that_may_move_a_vehicle) {
     EXPECT_TRUE(may(support::frame(0x30, 0xDC, 0xB1, content)));
 }
 
-TEST(Replay, keeps_the_distances_of_the_frames) {
+TEST(Replay, keeps_the_time_between_frames) {
     ReplayClock clock{1}, twice{2};
     EXPECT_EQ(due(clock, 1000s, 10s), 0ns);
     EXPECT_EQ(due(clock, 1001s, 11s), 1s);
@@ -62,7 +62,7 @@ TEST(Replay, a_clock_that_was_set_changes_nothing) {
     EXPECT_EQ(due(other, 901s, 0s), 2s);
 }
 
-TEST(Replay, hostile_times_stay_times) {
+TEST(Replay, hostile_times_stay_within_limits) {
     ReplayClock clock{0.001};
     due(clock, 0s, 0s);
     const auto last = clock.due({.time_ns = ~std::uint64_t{0}, .frame = ano::FrameView{euler}});
@@ -70,7 +70,7 @@ TEST(Replay, hostile_times_stay_times) {
     EXPECT_GT(last, 0s);
 }
 
-TEST(Replay, knows_the_risk_of_what_a_tunnel_frame_brings) {
+TEST(Replay, detects_the_risk_of_the_frame_in_a_tunnel_frame) {
     const auto tunnelled = [](const Bytes& inner) {
         Bytes content{192, 168, 0, 1, 0x0A, 0x1A, 192, 168, 0, 2};
         content.insert(content.end(), inner.begin(), inner.end());
@@ -95,13 +95,13 @@ RecordedFrame recorded(const Bytes& bytes, std::chrono::nanoseconds at, std::str
             .frame = ano::FrameView{bytes}};
 }
 
-TEST(Replay, at_rate_0_all_is_due_at_once) {
+TEST(Replay, at_rate_0_all_frames_are_due_at_once) {
     ReplayClock clock{0};
     EXPECT_EQ(clock.due(recorded(euler, 0s)), 0ns);
     EXPECT_EQ(clock.due(recorded(euler, 100s)), 0ns);
 }
 
-TEST(ReplayPlan, says_what_came_in_and_nothing_else) {
+TEST(ReplayPlan, replays_only_received_frames) {
     ReplayPlan plan{{}};
     EXPECT_EQ(plan.due(recorded(euler, 0s)), 0s);
     EXPECT_EQ(plan.due(recorded(euler, 1s, "fc", Direction::out)), std::nullopt);
@@ -110,7 +110,7 @@ TEST(ReplayPlan, says_what_came_in_and_nothing_else) {
     EXPECT_EQ(plan.kept_back().of_hosts + plan.kept_back().commands + plan.kept_back().tunnels, 0u);
 }
 
-TEST(ReplayPlan, counts_what_it_keeps_back_by_its_risk) {
+TEST(ReplayPlan, counts_omitted_frames_by_their_risk) {
     const Bytes of_host = support::frame(0xFE, 0xDC, 0x03, {0}), command = support::frame(0x30, 0xDC, 0x61, {0}),
                 tunnel = support::frame(0x30, 0xDC, 0xB1, {1, 2, 3});
     ReplayPlan plan{{}}, all{{.rate = 2, .commands = true}};
@@ -124,7 +124,7 @@ TEST(ReplayPlan, counts_what_it_keeps_back_by_its_risk) {
     EXPECT_EQ(all.kept_back().commands, 0u);
 }
 
-TEST(ReplayPlan, that_says_nothing_tells_why) {
+TEST(ReplayPlan, that_replays_nothing_reports_why) {
     const Bytes command = support::frame(0x30, 0xDC, 0x61, {0});
     const auto why = [](ReplayPlan::Options options, const std::vector<RecordedFrame>& frames) {
         ReplayPlan plan{std::move(options)};
@@ -148,7 +148,7 @@ TEST(ReplayPlan, that_says_nothing_tells_why) {
     EXPECT_EQ(why({}, {recorded(command, 0s), recorded(euler, 1s)}), "");
 }
 
-TEST(ReplayPlan, begins_and_ends_where_it_is_told_by_the_time_of_the_whole_recording) {
+TEST(ReplayPlan, begins_and_ends_at_the_configured_times_of_the_whole_recording) {
     ReplayPlan plan{{.rate = 2, .from = 10s, .to = 20s, .links = {"radio"}}};
     EXPECT_EQ(plan.due(recorded(euler, 0s)), std::nullopt);
     EXPECT_EQ(plan.due(recorded(euler, 9s, "radio")), std::nullopt);

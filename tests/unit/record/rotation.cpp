@@ -25,14 +25,14 @@ TEST(Rotation, a_file_is_at_least_as_old_as_the_limit) {
     EXPECT_TRUE(is_time_for_the_next(limits, file(1, 60s)));
 }
 
-TEST(Rotation, of_both_limits_the_first_holds) {
+TEST(Rotation, the_limit_reached_first_applies) {
     constexpr RotationLimits limits{1000, 60s};
     EXPECT_FALSE(is_time_for_the_next(limits, file(999, 59s)));
     EXPECT_TRUE(is_time_for_the_next(limits, file(999, 60s)));
     EXPECT_TRUE(is_time_for_the_next(limits, file(1000, 59s)));
 }
 
-TEST(Rotation, a_file_without_frames_stays) { EXPECT_FALSE(is_time_for_the_next({1, 1s}, {500, 0, 100h})); }
+TEST(Rotation, a_file_without_frames_is_not_rotated) { EXPECT_FALSE(is_time_for_the_next({1, 1s}, {500, 0, 100h})); }
 
 TEST(Rotation, the_first_file_has_the_name_and_the_others_a_number) {
     EXPECT_EQ(recording_file_name("flight", 1, RecordingFormat::pcapng), "flight.pcapng");

@@ -34,7 +34,7 @@ protected:
     std::vector<State> told;    // without consecutive equal ones
 };
 
-TEST_F(DiskPaces, a_disk_that_hangs_is_silent_until_it_answers) {
+TEST_F(DiskPaces, a_disk_that_hangs_counts_as_silent_until_it_responds) {
     EXPECT_EQ(look(749ms), State::well);
     EXPECT_EQ(look(750ms), State::silent);
     EXPECT_EQ(look(60s, true), State::silent);
@@ -42,7 +42,7 @@ TEST_F(DiskPaces, a_disk_that_hangs_is_silent_until_it_answers) {
     EXPECT_EQ(look(0ms, true), State::slow);
 }
 
-TEST_F(DiskPaces, a_disk_that_is_behind_is_slow_for_ten_seconds_behind_the_last_sign) {
+TEST_F(DiskPaces, a_disk_that_lags_counts_as_slow_for_ten_seconds_after_the_last_sign) {
     EXPECT_EQ(look(0ms, true), State::slow);
     pass(8s);
     EXPECT_EQ(look(0ms, true), State::slow);
@@ -52,7 +52,7 @@ TEST_F(DiskPaces, a_disk_that_is_behind_is_slow_for_ten_seconds_behind_the_last_
     EXPECT_LT(now - last, 10s + 2 * beat);
 }
 
-TEST_F(DiskPaces, one_that_takes_two_seconds_for_each_write_is_told_once) {
+TEST_F(DiskPaces, one_that_needs_two_seconds_for_each_write_is_reported_once) {
     for (int i = 0; i < 100; ++i) {
         write(2s);
         pass(300ms);
@@ -64,7 +64,7 @@ TEST_F(DiskPaces, one_that_takes_two_seconds_for_each_write_is_told_once) {
     EXPECT_EQ(told.back(), State::silent) << "that is another trouble";
 }
 
-TEST_F(DiskPaces, one_that_takes_sixteen_seconds_for_each_write_is_told_once_too) {
+TEST_F(DiskPaces, one_that_needs_sixteen_seconds_for_each_write_is_reported_once_too) {
     for (int i = 0; i < 20; ++i) {
         write(16s);
         pass(150ms);
@@ -78,7 +78,7 @@ TEST_F(DiskPaces, one_that_takes_sixteen_seconds_for_each_write_is_told_once_too
     EXPECT_EQ(told.back(), State::slow) << "as it was before";
 }
 
-TEST_F(DiskPaces, one_that_hangs_is_silent_at_once_though_it_was_behind_by_chance_just_before) {
+TEST_F(DiskPaces, one_that_hangs_is_silent_at_once_even_if_it_lagged_by_chance_just_before) {
     for (int i = 0; i < 2; ++i) {
         EXPECT_EQ(look(400ms, true), State::slow) << "what it took last is 600 ms older";
         EXPECT_EQ(look(749ms, true), State::slow);
@@ -102,7 +102,7 @@ TEST_F(DiskPaces, one_that_lost_frames_and_hangs_is_silent_after_half_a_minute) 
     EXPECT_EQ(look(0ms, true, true), State::well) << "an error says it all";
 }
 
-TEST_F(DiskPaces, an_error_says_it_all) {
+TEST_F(DiskPaces, an_error_replaces_the_report_of_a_slow_disk) {
     EXPECT_EQ(look(0ms, true, true), State::well);
     look(0ms, true);
     EXPECT_EQ(look(0ms, true, true), State::well);

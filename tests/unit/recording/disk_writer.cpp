@@ -65,7 +65,7 @@ private:
 };
 using DiskWriters = DiskWriterTest;
 
-TEST_F(DiskWriters, writes_what_was_taken_with_its_names_and_ends_the_file) {
+TEST_F(DiskWriters, writes_the_frames_with_their_names_and_finishes_the_file) {
     turn();
     ASSERT_TRUE(disk().takes_more());
     disk().take({.names = std::make_shared<const RecordedNames>(RecordedNames{{"fc"}, {"serial"}, {"", "/dev/ttyS0"}})});
@@ -92,7 +92,7 @@ TEST_F(DiskWriters, writes_what_was_taken_with_its_names_and_ends_the_file) {
     EXPECT_EQ(progress.bytes, fs::file_size(path("flight.pcapng")));
 }
 
-TEST_F(DiskWriters, a_turn_has_all_that_was_taken_in_the_file) {
+TEST_F(DiskWriters, a_turn_writes_all_accepted_frames_into_the_file) {
     turn();
     take(100);
     turn();
@@ -105,7 +105,7 @@ TEST_F(DiskWriters, a_turn_has_all_that_was_taken_in_the_file) {
     EXPECT_EQ(progress.in_flight, 0u);
 }
 
-TEST_F(DiskWriters, files_are_for_user_and_group_whatever_the_umask_and_locked_while_they_are_written) {
+TEST_F(DiskWriters, files_are_accessible_to_user_and_group_under_any_umask_and_locked_while_written) {
     const mode_t before = ::umask(0077);
     turn();
     ::umask(before);
@@ -121,7 +121,7 @@ TEST_F(DiskWriters, files_are_for_user_and_group_whatever_the_umask_and_locked_w
     EXPECT_EQ(::flock(other.get(), LOCK_EX | LOCK_NB), 0);
 }
 
-TEST_F(DiskWriters, nothing_that_is_there_is_written_over) {
+TEST_F(DiskWriters, existing_files_are_never_overwritten) {
     fs::create_directories(settings.folder);
     fs::create_symlink(dir / "elsewhere", path("flight-2.pcapng"));
     dir.write("a/b/flight.pcapng", "mine");
@@ -134,14 +134,14 @@ TEST_F(DiskWriters, nothing_that_is_there_is_written_over) {
     EXPECT_EQ(support::read_pcapng(support::text_of(path("flight-3.pcapng"))).items.size(), 3u);
 }
 
-TEST_F(DiskWriters, a_name_stays_in_its_folder) {
+TEST_F(DiskWriters, a_file_name_cannot_leave_its_folder) {
     settings.name = "../flight";
     turn();
     EXPECT_NE(disk().error().find("is not a valid file name"), std::string::npos) << disk().error();
     EXPECT_FALSE(fs::exists(dir / "a/flight.pcapng"));
 }
 
-TEST_F(DiskWriters, what_the_file_has_that_is_written_is_told_beside_what_all_have) {
+TEST_F(DiskWriters, the_counts_of_the_current_file_are_reported_besides_the_totals) {
     settings.rotate_bytes = 10'000;
     turn();
     for (int i = 0; i < 50; ++i) {
@@ -200,7 +200,7 @@ TEST_F(DiskWriters, the_next_file_begins_when_one_is_old_enough_and_has_frames) 
     disk().finish(now);
 }
 
-TEST_F(DiskWriters, a_file_is_as_old_as_the_time_since_it_began) {
+TEST_F(DiskWriters, the_age_of_a_file_counts_from_its_beginning) {
     settings.rotate_time = 60s;
     turn();
     take(5);
@@ -216,7 +216,7 @@ TEST_F(DiskWriters, a_file_is_as_old_as_the_time_since_it_began) {
     EXPECT_EQ(files().numbers, support::numbers_to(10));
 }
 
-TEST_F(DiskWriters, on_a_full_disk_the_file_is_whole_and_goes_on_when_there_is_room) {
+TEST_F(DiskWriters, on_a_full_disk_the_file_stays_complete_and_continues_when_there_is_room) {
     turn();
     take(10);
     turn();
@@ -241,7 +241,7 @@ TEST_F(DiskWriters, on_a_full_disk_the_file_is_whole_and_goes_on_when_there_is_r
     EXPECT_EQ(progress.not_written, 0u);
 }
 
-TEST_F(DiskWriters, what_a_full_disk_does_not_take_at_the_end_is_counted) {
+TEST_F(DiskWriters, frames_that_a_full_disk_does_not_accept_at_the_end_are_counted) {
     turn();
     take(10);
     turn();
@@ -254,7 +254,7 @@ TEST_F(DiskWriters, what_a_full_disk_does_not_take_at_the_end_is_counted) {
     EXPECT_EQ(files().numbers, support::numbers_to(10));
 }
 
-TEST_F(DiskWriters, a_file_that_does_not_get_onto_its_disk_is_left_and_nothing_is_doubled) {
+TEST_F(DiskWriters, a_file_that_cannot_be_synced_is_abandoned_and_no_frame_is_written_twice) {
     turn();
     take(10);
     turn(DiskWriter::sync_time);
@@ -281,7 +281,7 @@ TEST_F(DiskWriters, a_file_that_does_not_get_onto_its_disk_is_left_and_nothing_i
     EXPECT_EQ(progress.not_written, 0u);
 }
 
-TEST_F(DiskWriters, what_a_disk_took_and_lost_for_want_of_room_is_written_again) {
+TEST_F(DiskWriters, frames_that_a_disk_accepted_and_lost_for_lack_of_room_are_written_again) {
     turn();
     take(10);
     turn(DiskWriter::sync_time);
@@ -295,7 +295,7 @@ TEST_F(DiskWriters, what_a_disk_took_and_lost_for_want_of_room_is_written_again)
     EXPECT_EQ(files().files.size(), 2u);
 }
 
-TEST_F(DiskWriters, in_every_file_numbers_mean_what_they_meant_when_the_frame_came) {
+TEST_F(DiskWriters, every_file_maps_link_numbers_as_when_the_frame_was_received) {
     const auto named = [](const char* name) {
         return RecorderItem{.names = std::make_shared<const RecordedNames>(RecordedNames{{name}, {"udp"}, {}})};
     };
@@ -323,7 +323,7 @@ TEST_F(DiskWriters, in_every_file_numbers_mean_what_they_meant_when_the_frame_ca
     EXPECT_EQ(links(), "a a b b ");
 }
 
-TEST_F(DiskWriters, what_no_file_takes_at_the_end_is_counted) {
+TEST_F(DiskWriters, frames_that_no_file_accepts_at_the_end_are_counted) {
     turn();
     take(10);
     turn(DiskWriter::sync_time);
@@ -335,7 +335,7 @@ TEST_F(DiskWriters, what_no_file_takes_at_the_end_is_counted) {
     EXPECT_EQ(progress.not_written, 10u);
 }
 
-TEST_F(DiskWriters, what_there_was_no_memory_for_is_in_the_next_file) {
+TEST_F(DiskWriters, frames_not_written_for_lack_of_memory_are_in_the_next_file) {
     turn();
     take(10);
     turn(DiskWriter::sync_time);
@@ -360,7 +360,7 @@ TEST_F(DiskWriters, what_there_was_no_memory_for_is_in_the_next_file) {
     EXPECT_EQ(progress.in_flight, 0u);
 }
 
-TEST_F(DiskWriters, what_there_is_no_memory_for_at_the_end_is_counted) {
+TEST_F(DiskWriters, frames_not_written_for_lack_of_memory_at_the_end_are_counted) {
     turn();
     take(10);
     turn(DiskWriter::sync_time);
@@ -372,7 +372,7 @@ TEST_F(DiskWriters, what_there_is_no_memory_for_at_the_end_is_counted) {
     EXPECT_EQ(progress.not_written, 7u);
 }
 
-TEST_F(DiskWriters, of_a_file_that_was_removed_the_next_has_what_was_not_safe) {
+TEST_F(DiskWriters, after_a_file_was_removed_the_next_contains_the_frames_not_yet_saved) {
     turn();
     take(10);
     turn(DiskWriter::sync_time);
@@ -389,7 +389,7 @@ TEST_F(DiskWriters, of_a_file_that_was_removed_the_next_has_what_was_not_safe) {
     EXPECT_TRUE(second.has_end);
 }
 
-TEST_F(DiskWriters, a_file_that_was_moved_away_has_what_was_safe_then) {
+TEST_F(DiskWriters, a_file_that_was_moved_away_contains_the_frames_saved_until_then) {
     turn();
     take(10);
     turn(DiskWriter::sync_time);
@@ -402,7 +402,7 @@ TEST_F(DiskWriters, a_file_that_was_moved_away_has_what_was_safe_then) {
     EXPECT_EQ(support::read_pcapng(support::text_of(path("flight-2.pcapng"))).items.size(), 10u);
 }
 
-TEST_F(DiskWriters, the_count_of_frames_does_not_go_back_when_a_file_is_left) {
+TEST_F(DiskWriters, the_frame_count_does_not_decrease_when_a_file_is_abandoned) {
     turn();
     take(10);
     turn(DiskWriter::sync_time);
@@ -424,7 +424,7 @@ TEST_F(DiskWriters, the_count_of_frames_does_not_go_back_when_a_file_is_left) {
     EXPECT_EQ(progress.frames, 25u);
 }
 
-TEST_F(DiskWriters, a_folder_that_was_removed_is_made_again) {
+TEST_F(DiskWriters, a_folder_that_was_removed_is_created_again) {
     turn();
     take(10);
     turn(DiskWriter::sync_time);
@@ -436,7 +436,7 @@ TEST_F(DiskWriters, a_folder_that_was_removed_is_made_again) {
     EXPECT_EQ(support::read_pcapng(support::text_of(path("flight-2.pcapng"))).items.size(), 10u);
 }
 
-TEST_F(DiskWriters, where_no_file_can_be_made_it_is_tried_again) {
+TEST_F(DiskWriters, creating_a_file_is_retried_after_a_failure) {
     dir.write("a", "a file in the place of the folder");
     turn();
     EXPECT_EQ(disk().error(), settings.folder + ": Not a directory");
@@ -447,7 +447,7 @@ TEST_F(DiskWriters, where_no_file_can_be_made_it_is_tried_again) {
     EXPECT_TRUE(disk().takes_more());
 }
 
-TEST_F(DiskWriters, bytes_that_are_to_stay_free_are_not_written) {
+TEST_F(DiskWriters, reserved_free_space_is_not_written) {
     settings.keep_free = std::uint64_t{1} << 60;
     turn();
     EXPECT_NE(disk().error().find("of disk space is free, and recording needs 1152921504612.1 MB"), std::string::npos)
@@ -469,7 +469,7 @@ TEST_F(DiskWriters, bytes_that_are_to_stay_free_are_not_written) {
     EXPECT_EQ(files().numbers, support::numbers_to(20));
 }
 
-TEST_F(DiskWriters, losses_are_told_by_the_names_of_their_messages) {
+TEST_F(DiskWriters, losses_are_recorded_with_message_names) {
     turn();
     LostFrames lost;
     lost.by_id[0x03] = 120;
@@ -503,7 +503,7 @@ private:
     rlimit before_{};
 };
 
-TEST_F(DiskWriters, a_disk_with_small_files_gets_many_of_them) {
+TEST_F(DiskWriters, write_many_files_on_a_disk_that_limits_the_file_size) {
     const LimitOfFiles limit{20'000};
     turn();
     for (int i = 0; i < 50; ++i) {

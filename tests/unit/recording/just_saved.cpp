@@ -9,7 +9,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-TEST(JustSaved, contains_a_name_until_its_time_is_over_and_the_latest_time_counts) {
+TEST(JustSaved, contains_a_name_until_the_latest_of_its_times) {
     const ano::TimePoint now = ano::Clock::now();
     anogate::JustSaved saved;
     saved.add("a", now + 10s);

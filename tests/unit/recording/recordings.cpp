@@ -18,7 +18,7 @@ TEST(LimitsOfRecordings, are_those_of_the_configuration) {
     EXPECT_EQ(limits.free, 9'000'000'000u);
 }
 
-TEST(LimitsOfRecordings, leave_room_to_write_before_nothing_can_be_written) {
+TEST(LimitsOfRecordings, leave_enough_free_space_to_continue_writing) {
     RecordSettings settings;
     settings.free = settings.keep_free = 500'000'000;
     EXPECT_EQ(limits_of(settings).free, room_needed(500'000'000));

@@ -56,7 +56,7 @@ protected:
     std::string folder = dir.path().string();
 };
 
-TEST(RecordingName, has_only_what_every_system_takes) {
+TEST(RecordingName, has_only_characters_that_every_system_accepts) {
     for (const char* name : {"a", "flight-1.2_x", "A", "0", "a..b"}) EXPECT_TRUE(is_recording_name(name)) << name;
     EXPECT_TRUE(is_recording_name(std::string(100, 'x')));
     EXPECT_FALSE(is_recording_name(std::string(101, 'x')));
@@ -65,7 +65,7 @@ TEST(RecordingName, has_only_what_every_system_takes) {
     EXPECT_FALSE(is_recording_name(std::string_view{"a\0b", 3}));
 }
 
-TEST_F(RecordingsFolder, says_of_a_name_that_is_not_there_what_may_be_meant) {
+TEST_F(RecordingsFolder, suggests_a_similar_name_for_one_that_does_not_exist) {
     dir.write("flight.pcapng", recording(1));
     dir.write("notes", "x");
     const auto words = [&](const std::string& name) {
@@ -84,7 +84,7 @@ TEST_F(RecordingsFolder, says_of_a_name_that_is_not_there_what_may_be_meant) {
     EXPECT_EQ(words("FLIGTH"), "404 there is no recording FLIGTH (did you mean 'FLIGHT.pcapng'?)");
 }
 
-TEST_F(RecordingsFolder, lists_what_the_gateway_wrote_and_only_counts_the_rest) {
+TEST_F(RecordingsFolder, lists_files_that_the_gateway_wrote_and_only_counts_the_rest) {
     dir.write("flight.pcapng", recording(3));
     dir.write("cut.pcapng", recording(2, false));
     dir.write("foreign.pcapng", recording(3, true, "dumpcap"));
@@ -110,14 +110,14 @@ TEST_F(RecordingsFolder, lists_what_the_gateway_wrote_and_only_counts_the_rest) 
     }
 }
 
-TEST_F(RecordingsFolder, tells_when_a_file_was_written_last_with_what_is_behind_the_second) {
+TEST_F(RecordingsFolder, reports_the_last_write_time_with_nanoseconds) {
     const std::string file = dir.write("flight.pcapng", recording(1));
     const timespec times[] = {{1763898063, 0}, {1763898063, 987654321}};
     ASSERT_EQ(::utimensat(AT_FDCWD, file.c_str(), times, 0), 0);
     EXPECT_EQ(view_of(folder).files.at(0).changed_ns, 1763898063'987654321u);
 }
 
-TEST_F(RecordingsFolder, tells_how_many_frames_an_ended_mcap_file_has) {
+TEST_F(RecordingsFolder, reports_the_number_of_frames_of_a_finished_mcap_file) {
     dir.write("flight.mcap", recording(300, true, "anogated 0.1.0", RecordingFormat::mcap));
     dir.write("cut.mcap", recording(300, false, "anogated 0.1.0", RecordingFormat::mcap));
     dir.write("foreign.mcap", recording(300, true, "mcap", RecordingFormat::mcap));
@@ -134,7 +134,7 @@ TEST_F(RecordingsFolder, tells_how_many_frames_an_ended_mcap_file_has) {
     }
 }
 
-TEST_F(RecordingsFolder, that_is_missing_yet_is_empty) {
+TEST_F(RecordingsFolder, that_does_not_exist_yet_is_empty) {
     const FolderView view = view_of(dir / "not/yet");
     EXPECT_TRUE(view.files.empty());
     EXPECT_EQ(view.error, "");
@@ -144,7 +144,7 @@ TEST_F(RecordingsFolder, that_is_missing_yet_is_empty) {
     EXPECT_EQ(status_of(check_new_name(dir / "not/yet", "a")), 200u);
 }
 
-TEST_F(RecordingsFolder, deletes_only_what_the_gateway_wrote) {
+TEST_F(RecordingsFolder, deletes_only_files_that_the_gateway_wrote) {
     dir.write("flight.pcapng", recording(3));
     dir.write("foreign.pcapng", recording(3, true, "dumpcap"));
     dir.write("notes.txt", "x");
@@ -162,7 +162,7 @@ TEST_F(RecordingsFolder, deletes_only_what_the_gateway_wrote) {
     EXPECT_TRUE(is_there("link.pcapng"));
 }
 
-TEST_F(RecordingsFolder, opens_only_what_the_gateway_wrote) {
+TEST_F(RecordingsFolder, opens_only_files_that_the_gateway_wrote) {
     dir.write("flight.pcapng", recording(3));
     dir.write("foreign.pcapng", recording(3, true, "dumpcap"));
     fs::create_symlink("/etc/passwd", dir / "passwd.pcapng");
@@ -178,7 +178,7 @@ TEST_F(RecordingsFolder, opens_only_what_the_gateway_wrote) {
     EXPECT_EQ(status("../etc/passwd"), 422u);
 }
 
-TEST_F(RecordingsFolder, leaves_what_somebody_writes_alone) {
+TEST_F(RecordingsFolder, does_not_touch_files_that_are_being_written) {
     dir.write("flight.pcapng", recording(3, false));
     const UniqueFd writer{::open((dir / "flight.pcapng").c_str(), O_RDWR | O_CLOEXEC)};
     ASSERT_EQ(::flock(writer.get(), LOCK_EX | LOCK_NB), 0);
@@ -191,7 +191,7 @@ TEST_F(RecordingsFolder, leaves_what_somebody_writes_alone) {
     EXPECT_TRUE(delete_old(folder, {1, {}, 0}, ages, {std::chrono::seconds{2'000'000'000}, {}}).gone.empty());
 }
 
-TEST_F(RecordingsFolder, is_looked_at_by_many_at_once) {
+TEST_F(RecordingsFolder, is_not_blocked_by_other_readers) {
     dir.write("cut.pcapng", recording(3, false));
     dir.write("flight.pcapng", recording(3));
     const UniqueFd cut{::open((dir / "cut.pcapng").c_str(), O_RDONLY | O_CLOEXEC)};
@@ -203,7 +203,7 @@ TEST_F(RecordingsFolder, is_looked_at_by_many_at_once) {
     EXPECT_EQ(repair_recordings(folder).size(), 1u);
 }
 
-TEST_F(RecordingsFolder, deletes_what_is_being_repaired_as_what_is_not) {
+TEST_F(RecordingsFolder, also_deletes_files_that_are_being_repaired) {
     dir.write("old.pcapng", recording(3000, false));
     dir.write("new.pcapng", recording(1000));
     fs::last_write_time(dir / "old.pcapng", fs::file_time_type::clock::now() - std::chrono::hours{700});
@@ -220,7 +220,7 @@ TEST_F(RecordingsFolder, deletes_what_is_being_repaired_as_what_is_not) {
     EXPECT_EQ(names(), std::vector<std::string>{"new.pcapng"});
 }
 
-TEST_F(RecordingsFolder, stops_the_repair_of_what_is_deleted) {
+TEST_F(RecordingsFolder, stops_repairing_a_file_that_is_deleted) {
     dir.write("old.pcapng", recording(3, false));
     const UniqueFd old{::open((dir / "old.pcapng").c_str(), O_RDWR | O_CLOEXEC)};
     constexpr off_t large = off_t{8} * 1024 * 1024 * 1024;    // of zeros that use no disk space: seconds to read
@@ -240,7 +240,7 @@ TEST_F(RecordingsFolder, stops_the_repair_of_what_is_deleted) {
         << "it stays as it was";
 }
 
-TEST_F(RecordingsFolder, makes_whole_what_was_cut_at_any_byte) {
+TEST_F(RecordingsFolder, repairs_files_cut_at_any_byte) {
     const std::string frames = recording(50, false);
     const std::size_t first = recording(1, false).size();
     for (std::size_t size = first; size <= frames.size(); size += 7) {
@@ -257,7 +257,7 @@ TEST_F(RecordingsFolder, makes_whole_what_was_cut_at_any_byte) {
     }
 }
 
-TEST_F(RecordingsFolder, throws_nothing_away_behind_damage_in_the_middle) {
+TEST_F(RecordingsFolder, discards_nothing_after_damage_in_the_middle) {
     const std::string flight = recording(50'000, false);
     ASSERT_GT(flight.size(), 3'000'000u);
     std::string damaged = flight;
@@ -269,7 +269,7 @@ TEST_F(RecordingsFolder, throws_nothing_away_behind_damage_in_the_middle) {
     EXPECT_EQ(support::text_of(dir / "flight.pcapng"), damaged);
 }
 
-TEST_F(RecordingsFolder, takes_off_the_zeros_that_a_loss_of_power_left) {
+TEST_F(RecordingsFolder, removes_the_zeros_that_a_power_loss_left) {
     const std::string flight = recording(1000, false);
     dir.write("flight.pcapng", flight + std::string(5'000'000, '\0'));
     const auto repaired = repair_recordings(folder);
@@ -281,7 +281,7 @@ TEST_F(RecordingsFolder, takes_off_the_zeros_that_a_loss_of_power_left) {
     EXPECT_EQ(read.items.size(), 1000u);
 }
 
-TEST_F(RecordingsFolder, repairs_nothing_that_it_did_not_write_and_keeps_the_time_of_what_it_did) {
+TEST_F(RecordingsFolder, repairs_only_files_that_the_gateway_wrote_and_keeps_their_time) {
     const std::string foreign = recording(3, false, "dumpcap"), ours = recording(3, false);
     dir.write("foreign.pcapng", foreign);
     dir.write("flight.pcapng", ours.substr(0, ours.size() - 3));
@@ -293,7 +293,7 @@ TEST_F(RecordingsFolder, repairs_nothing_that_it_did_not_write_and_keeps_the_tim
               std::chrono::floor<std::chrono::seconds>(long_ago));
 }
 
-TEST_F(RecordingsFolder, deletes_the_oldest_beyond_what_is_kept) {
+TEST_F(RecordingsFolder, deletes_the_oldest_files_beyond_the_limits) {
     const auto now = std::chrono::time_point_cast<std::chrono::seconds>(std::chrono::system_clock::now()).time_since_epoch();
     const std::uint64_t size = recording(3).size();
     for (int i = 0; i < 5; ++i) {
@@ -318,7 +318,7 @@ TEST_F(RecordingsFolder, deletes_the_oldest_beyond_what_is_kept) {
     EXPECT_EQ(old.stays, "flight-4.pcapng");
 }
 
-TEST_F(RecordingsFolder, knows_what_changed_of_late) {
+TEST_F(RecordingsFolder, lists_files_changed_since_a_time) {
     const auto now = std::chrono::seconds{std::time(nullptr)};
     for (const std::string name : {"before", "now"}) dir.write(name + ".pcapng", recording(1));
     dir.write("foreign.pcapng", "x");
@@ -328,7 +328,7 @@ TEST_F(RecordingsFolder, knows_what_changed_of_late) {
     EXPECT_TRUE(changed_since(folder, now + std::chrono::seconds{60}).empty());
 }
 
-TEST_F(RecordingsFolder, has_no_name_twice_in_any_format) {
+TEST_F(RecordingsFolder, rejects_a_name_that_exists_in_any_format) {
     dir.write("a.pcapng", "whatever it is");
     fs::create_symlink("/nowhere", dir / "b.mcap");
     EXPECT_EQ(status_of(check_new_name(folder, "a")), 409u);
@@ -349,7 +349,7 @@ KeptFrames kept_frames(std::size_t frames) {
     return kept;
 }
 
-TEST_F(RecordingsFolder, keeps_what_was_in_memory_as_it_was) {
+TEST_F(RecordingsFolder, saves_frames_from_memory_unchanged) {
     const auto saved = save_frames(dir / "new/folder", "last", RecordingFormat::pcapng, 0, kept_frames(3000));
     ASSERT_TRUE(std::holds_alternative<SavedFrames>(saved)) << std::get<Refusal>(saved).words;
     EXPECT_EQ(std::get<SavedFrames>(saved).name, "last.pcapng");
@@ -370,7 +370,7 @@ TEST_F(RecordingsFolder, keeps_what_was_in_memory_as_it_was) {
     EXPECT_EQ(loss->names, "euler 5");
 }
 
-TEST_F(RecordingsFolder, saves_nothing_where_too_little_is_free) {
+TEST_F(RecordingsFolder, saves_nothing_if_too_little_space_is_free) {
     const auto saved = save_frames(folder, "last", RecordingFormat::pcapng, std::uint64_t{1} << 60, kept_frames(10));
     ASSERT_TRUE(std::holds_alternative<Refusal>(saved));
     EXPECT_EQ(std::get<Refusal>(saved).status, 507u);

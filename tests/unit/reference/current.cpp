@@ -40,7 +40,7 @@ void is_current(const std::string& file, const std::string& made) {
     EXPECT_EQ(support::text_of(path), made) << "run tools/update-generated and commit " << file;
 }
 
-TEST(Manual, in_the_repository_is_the_one_that_the_tables_make) {
+TEST(Manual, in_the_repository_matches_the_tables) {
     is_current("tools/man/anogated.8", anogated_page());
     is_current("tools/man/anoctl.1", anoctl_page());
     is_current("tools/man/anogate.json.5", configuration_page());
@@ -59,7 +59,7 @@ TEST(Manual, in_the_repository_is_the_one_that_the_tables_make) {
     is_current("tools/man/anogate-api.7", api_page(door.routes().rows()));
 }
 
-TEST(Completions, in_the_repository_are_those_that_the_tables_make) {
+TEST(Completions, in_the_repository_match_the_tables) {
     for (const Program& program : {anogated_program(), anoctl_program()}) {
         is_current("tools/completions/" + program.name + ".bash", bash_completion(program));
         is_current("tools/completions/_" + program.name, zsh_completion(program));
@@ -67,11 +67,11 @@ TEST(Completions, in_the_repository_are_those_that_the_tables_make) {
     }
 }
 
-TEST(Schema, in_the_repository_is_the_one_that_the_tables_make) {
+TEST(Schema, in_the_repository_matches_the_tables) {
     is_current("config/anogate.schema.json", anogate::config_schema(anogate::link_kinds()));
 }
 
-TEST(Messages, in_the_repository_are_those_of_the_table) {
+TEST(Messages, in_the_repository_match_the_table) {
     std::ostringstream markdown;
     anoctl::write_markdown(markdown);
     is_current("include/ano/messages.md", markdown.str());
@@ -80,7 +80,7 @@ TEST(Messages, in_the_repository_are_those_of_the_table) {
     is_current("src/web/test/messages.json", rows + "\n]\n");
 }
 
-TEST(Page, takes_no_words_for_commands) {
+TEST(Page, escapes_text_that_looks_like_commands) {
     Page page{"a-b", 7, "nothing"};
     page.section("S");
     page.text(".Sh it is not. A --flag and a \\n");
@@ -91,13 +91,13 @@ TEST(Page, takes_no_words_for_commands) {
     EXPECT_NE(page.str().find(".It Cm \"\\&\"\"name\"\"\" Ar \"\\&Ar Xr\"\n\\&'x\n"), std::string::npos) << page.str();
 }
 
-TEST(Page, has_a_sentence_a_line) {
+TEST(Page, has_one_sentence_per_line) {
     Page page{"x", 7, "nothing"};
     page.text("One. Two at 1.5 s, e. g. here. Three");
     EXPECT_NE(page.str().find("\nOne.\nTwo at 1.5 s, e. g. here.\nThree\n"), std::string::npos) << page.str();
 }
 
-TEST(Programs, know_what_a_shell_offers_for_a_value) {
+TEST(Programs, list_the_completions_of_each_kind_of_value) {
     const auto of = [](const char* value) { return Argument{{}, value, ""}; };
     EXPECT_EQ(of("utf8|gbk").words(), (std::vector<std::string>{"utf8", "gbk"}));
     EXPECT_EQ(of("flood|drop|LINK").words(), (std::vector<std::string>{"flood", "drop"}));
@@ -111,7 +111,7 @@ TEST(Programs, know_what_a_shell_offers_for_a_value) {
     EXPECT_EQ(of("N").offer(), Offer::nothing);
 }
 
-TEST(Programs, know_the_names_that_stand_for_one_address) {
+TEST(Programs, list_the_names_of_single_addresses) {
     const std::vector<std::string> names = address_names();
     const auto has = [&](const char* name) { return std::find(names.begin(), names.end(), name) != names.end(); };
     for (const char* name : {"host", "flight_controller", "ros_2_bridge", "broadcast"}) EXPECT_TRUE(has(name)) << name;

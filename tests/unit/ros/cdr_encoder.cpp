@@ -31,7 +31,7 @@ RosField field(RosType type, Shape shape = Shape::one, std::size_t count = 1) {
     return {.type = type, .name = "f", .shape = shape, .count = count};
 }
 
-TEST(CdrEncoder, numbers_stand_at_multiples_of_their_size_behind_the_head) {
+TEST(CdrEncoder, numbers_are_aligned_to_multiples_of_their_size_after_the_header) {
     const RosMessage m = message_of({field(RosType::uint8), field(RosType::int16), field(RosType::uint8), field(RosType::float64),
                                      field(RosType::uint8), field(RosType::uint32), field(RosType::float32),
                                      field(RosType::boolean)});
@@ -40,13 +40,13 @@ TEST(CdrEncoder, numbers_stand_at_multiples_of_their_size_behind_the_head) {
         bytes("00 01 00 00  01 00 FE FF 03 00 00 00  00 00 00 00 00 00 F0 3F  04 00 00 00 05 00 00 00  00 00 00 3F 01"));
 }
 
-TEST(CdrEncoder, text_has_its_length_with_a_nul) {
+TEST(CdrEncoder, text_has_a_length_that_includes_the_nul) {
     const RosMessage m = message_of({field(RosType::text), field(RosType::text), field(RosType::int8)});
     EXPECT_EQ(cdr(m, {Value{std::string_view{"ab"}}, Value{std::string_view{}}, Value{std::int64_t{-1}}}),
               bytes("00 01 00 00  03 00 00 00 61 62 00 00  01 00 00 00 00 FF"));
 }
 
-TEST(CdrEncoder, a_sequence_has_its_number_and_an_array_has_none) {
+TEST(CdrEncoder, a_sequence_has_a_count_and_an_array_has_none) {
     const support::Bytes two{1, 2};
     const RosMessage m = message_of({field(RosType::uint8, Shape::sequence), field(RosType::uint8, Shape::array, 3),
                                      field(RosType::uint16, Shape::array, 2), field(RosType::float64, Shape::sequence)});
@@ -59,19 +59,19 @@ TEST(CdrEncoder, a_sequence_has_its_number_and_an_array_has_none) {
         bytes("00 01 00 00  00 00 00 00 09"));
 }
 
-TEST(CdrEncoder, an_array_may_come_as_its_bytes) {
+TEST(CdrEncoder, an_array_can_be_passed_as_bytes) {
     const support::Bytes three{1, 0, 2};
     EXPECT_EQ(cdr(message_of({field(RosType::uint8), field(RosType::uint16, Shape::array, 2), field(RosType::uint8)}),
                   {std::int64_t{9}, Value{ano::Bytes{three}}, std::int64_t{8}}),
               bytes("00 01 00 00  09 00 01 00 02 00 08"));
 }
 
-TEST(CdrEncoder, an_array_takes_no_more_than_its_size) {
+TEST(CdrEncoder, an_array_is_truncated_to_its_size) {
     const support::Bytes three{1, 2, 3};
     EXPECT_EQ(cdr(message_of({field(RosType::uint8, Shape::array, 2)}), {Value{ano::Bytes{three}}}), bytes("00 01 00 00 01 02"));
 }
 
-TEST(CdrEncoder, a_message_in_a_message_has_no_head_and_no_alignment_of_its_own) {
+TEST(CdrEncoder, a_nested_message_has_no_header_and_no_separate_alignment) {
     const RosMessage inner = message_of({field(RosType::uint8), field(RosType::uint16)});
     RosField list = field(RosType::message, Shape::sequence), one = field(RosType::message);
     list.message = one.message = &inner;
@@ -80,19 +80,19 @@ TEST(CdrEncoder, a_message_in_a_message_has_no_head_and_no_alignment_of_its_own)
               bytes("00 01 00 00  02 00 00 00  01 00 02 00  03 00 04 00  05 00 06 00"));
 }
 
-TEST(CdrEncoder, a_message_without_fields_is_a_byte) {
+TEST(CdrEncoder, a_message_without_fields_is_one_byte) {
     EXPECT_EQ(cdr(message_of({}), {}), bytes("00 01 00 00 00"));
     EXPECT_EQ(definition_of(message_of({})), "uint8 structure_needs_at_least_one_member\n");
 }
 
-TEST(CdrEncoder, what_is_missing_is_nothing) {
+TEST(CdrEncoder, missing_values_are_encoded_as_nan_zero_or_empty) {
     EXPECT_EQ(cdr(message_of({field(RosType::float64), field(RosType::int8), field(RosType::text)}), {}),
               bytes("00 01 00 00  00 00 00 00 00 00 F8 7F  00 00 00 00  01 00 00 00 00"));
     EXPECT_EQ(cdr(message_of({field(RosType::uint16, Shape::sequence)}), {std::uint64_t{0xFFFFFFFF}, std::int64_t{1}}),
               bytes("00 01 00 00  01 00 00 00 01 00"));
 }
 
-TEST(CdrEncoder, a_short_message_behind_a_long_one_has_nothing_of_it) {
+TEST(CdrEncoder, a_short_message_after_a_long_one_contains_no_bytes_of_it) {
     CdrEncoder encoder;
     const support::Bytes many(100, 0xEE);
     encoder.encode(message_of({field(RosType::uint8, Shape::array, 100)}), std::vector<Value>{Value{ano::Bytes{many}}});

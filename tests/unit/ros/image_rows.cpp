@@ -37,19 +37,19 @@ Bytes ended(ImageRows& images, const Bytes& data, std::uint64_t time_ns = second
     return image != nullptr ? Bytes(image->pixels.begin(), image->pixels.end()) : Bytes{};
 }
 
-TEST(ImageRows, an_image_is_whole_with_its_last_row) {
+TEST(ImageRows, an_image_is_complete_with_its_last_row) {
     ImageRows images;
     EXPECT_EQ(ended(images, rows(7, 0, 2, 3, {1, 2})), Bytes{});
     EXPECT_EQ(ended(images, rows(7, 0, 2, 3, {3, 4, 5, 6})), (Bytes{1, 2, 3, 4, 5, 6}));
     EXPECT_EQ(ended(images, rows(7, 0, 2, 3, {1, 2, 3, 4, 5, 6})), (Bytes{1, 2, 3, 4, 5, 6}));
 }
 
-TEST(ImageRows, a_bit_a_pixel_is_black_or_white) {
+TEST(ImageRows, one_bit_per_pixel_is_black_or_white) {
     ImageRows images;
     EXPECT_EQ(ended(images, rows(0, 2, 10, 1, {0x81, 0x40})), (Bytes{255, 0, 0, 0, 0, 0, 0, 255, 0, 255}));
 }
 
-TEST(ImageRows, one_that_lost_a_frame_is_not_told) {
+TEST(ImageRows, an_image_that_lost_a_frame_is_not_returned) {
     ImageRows images;
     ended(images, rows(1, 0, 1, 3, {1}));
     EXPECT_EQ(ended(images, rows(2, 0, 1, 3, {4, 5})), Bytes{});    // another flag: the next image
@@ -70,7 +70,7 @@ TEST(ImageRows, senders_do_not_mix) {
     EXPECT_EQ(ended(images, rows(1, 0, 1, 2, {4}), second, 2), (Bytes{2, 4}));
 }
 
-TEST(ImageRows, of_more_senders_than_there_is_place_for_the_quietest_gives_way) {
+TEST(ImageRows, the_longest_silent_sender_is_dropped_when_there_are_too_many) {
     ImageRows images;
     for (std::uint64_t sender = 1; sender <= ImageRows::max_begun + 1; ++sender)
         EXPECT_EQ(ended(images, rows(1, 0, 1, 2, {1}), second + sender, sender), Bytes{});
@@ -78,7 +78,7 @@ TEST(ImageRows, of_more_senders_than_there_is_place_for_the_quietest_gives_way) 
     EXPECT_EQ(ended(images, rows(1, 0, 1, 2, {2}), second + 21, 1), Bytes{});
 }
 
-TEST(ImageRows, what_can_be_no_image_is_left_alone) {
+TEST(ImageRows, invalid_images_are_ignored) {
     ImageRows images;
     EXPECT_EQ(ended(images, rows(1, 7, 1, 1, {1})), Bytes{});                                         // no colour
     EXPECT_EQ(ended(images, rows(1, 0, 0, 1, {1})), Bytes{});                                         // no width
@@ -93,7 +93,7 @@ TEST(ImageRows, what_can_be_no_image_is_left_alone) {
     EXPECT_EQ(all.size(), pixels);
 }
 
-TEST(StandardMessages, an_image_is_told_when_it_is_whole) {
+TEST(StandardMessages, an_image_is_published_when_it_is_complete) {
     ImageRows images;
     StandardMessages camera{"fc/device_223", &images, 1}, without{"fc/device_224"};
     const Bytes first = rows(1, 0, 2, 2, {1, 2}), second_row = rows(1, 0, 2, 2, {3, 4});

@@ -49,7 +49,7 @@ TEST(RosJson, has_the_names_of_the_definition_in_its_order) {
     EXPECT_EQ(ros_json(message, values.values()), R"({"header":{"sec":-3,"frame_id":"fc"},"present":true,"voltage":12.5})");
 }
 
-TEST(RosJson, leaves_out_what_is_no_finite_number) {
+TEST(RosJson, omits_values_that_are_not_finite_numbers) {
     const RosMessage message = message_of(
         {field(RosType::float32, "a"), field(RosType::float64, "b"), field(RosType::uint8, "c")});
     ValueList values;
@@ -76,7 +76,7 @@ TEST(RosJson, bytes_are_base64) {
     EXPECT_EQ(told({0xFB, 0xFF, 0xBF}), "+/+/");
 }
 
-TEST(RosJson, arrays_have_their_numbers_and_sequences_as_many_as_are_told) {
+TEST(RosJson, arrays_contain_the_given_numbers_and_sequences_as_many_as_counted) {
     const RosMessage message = message_of(
         {field(RosType::float64, "covariance", Shape::array, 2), field(RosType::uint32, "n", Shape::sequence)});
     support::Bytes raw(16);
@@ -93,7 +93,7 @@ TEST(RosJson, arrays_have_their_numbers_and_sequences_as_many_as_are_told) {
     EXPECT_EQ(ros_json(message, short_of.values()), R"({"covariance":[1.5],"n":[]})");
 }
 
-TEST(RosJson, its_schema_tells_types_constants_and_comments) {
+TEST(RosJson, its_schema_contains_types_constants_and_comments) {
     const RosMessage inner = message_of({field(RosType::float32, "x")});
     RosField list = field(RosType::message, "points", Shape::sequence);
     list.message = &inner;

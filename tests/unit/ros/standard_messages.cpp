@@ -88,7 +88,7 @@ TEST(StandardMessages, an_imu_is_in_metres_and_radians) {
     EXPECT_EQ(imu["linear_acceleration_covariance"][0], 0.0);
 }
 
-TEST(StandardMessages, an_imu_says_that_it_does_not_know_how_it_lies) {
+TEST(StandardMessages, an_imu_reports_that_its_orientation_is_unknown) {
     HeardDevice device;
     device.hear(0x01, inertial);
     EXPECT_EQ(device.at("imu")["orientation_covariance"][0], -1.0);
@@ -118,14 +118,14 @@ TEST(StandardMessages, angles_turn_about_x_then_y_then_z) {
     expect_rotation(orientation(0, 9000, 9000), 0.5, -0.5, 0.5, 0.5);
 }
 
-TEST(StandardMessages, angles_with_a_mode_turn_alike) {
+TEST(StandardMessages, angles_with_a_mode_are_converted_alike) {
     HeardDevice device;
     device.hear(0x03, Bytes{1} + shorts({0, 0, -9000}) + Bytes{1});
     EXPECT_EQ(device.topics, std::vector<std::string>{"orientation"});
     expect_rotation(device.at("orientation")["quaternion"], half, 0, 0, -half);
 }
 
-TEST(StandardMessages, a_quaternion_goes_before_angles) {
+TEST(StandardMessages, a_quaternion_is_preferred_to_angles) {
     HeardDevice device;
     device.hear(0x04, shorts({7071, 0, 0, -7071}) + Bytes{1});
     expect_rotation(device.at("orientation")["quaternion"], half, 0, 0, -half);
@@ -138,7 +138,7 @@ TEST(StandardMessages, a_quaternion_goes_before_angles) {
     expect_rotation(device.at("orientation")["quaternion"], half, 0, 0, half);
 }
 
-TEST(StandardMessages, what_is_no_rotation_is_none) {
+TEST(StandardMessages, invalid_quaternions_are_ignored) {
     HeardDevice device;
     device.hear(0x04, shorts({0, 0, 0, 0}) + Bytes{0});
     EXPECT_TRUE(device.topics.empty());
@@ -185,7 +185,7 @@ TEST(StandardMessages, odometry_has_its_speed_along_the_axes_of_the_vehicle) {
     EXPECT_EQ(device.at("odometry")["twist"]["covariance"][21], 0.0);
 }
 
-TEST(StandardMessages, a_speed_is_turned_back_about_all_axes) {
+TEST(StandardMessages, a_speed_is_rotated_back_about_all_axes) {
     HeardDevice device;
     device.hear(0x03, shorts({9000, 0, 9000}) + Bytes{1});    // the nose along y, its left side up
     device.hear(0x07, shorts({100, 200, 300}));
@@ -193,13 +193,13 @@ TEST(StandardMessages, a_speed_is_turned_back_about_all_axes) {
     expect_vector(device.at("odometry")["twist"]["twist"]["linear"], 2, 3, 1);
 }
 
-TEST(StandardMessages, a_place_without_height_is_ours_alone) {
+TEST(StandardMessages, a_position_without_height_has_no_standard_message) {
     HeardDevice device;
     device.hear(0x08, longs({100, -250}));
     EXPECT_TRUE(device.topics.empty());
 }
 
-TEST(StandardMessages, a_battery_that_gives_current_has_it_negative) {
+TEST(StandardMessages, a_discharging_battery_has_a_negative_current) {
     HeardDevice device;
     device.hear(0x0D, shorts({1234, 250}));
     const ano::Json battery = device.at("battery");
@@ -234,7 +234,7 @@ TEST(StandardMessages, a_fix_is_in_degrees_and_its_speed_to_the_east) {
     EXPECT_EQ(device.at("fix_velocity")["header"]["frame_id"], "fc/device_5/enu");
 }
 
-TEST(StandardMessages, without_a_fix_there_is_no_place) {
+TEST(StandardMessages, without_a_fix_there_is_no_position) {
     HeardDevice device;
     for (const std::uint8_t fix : Bytes{0, 1, 5, 255}) {
         device.hear(0x30, gps(fix));
@@ -247,7 +247,7 @@ TEST(StandardMessages, without_a_fix_there_is_no_place) {
     EXPECT_TRUE(device.at("fix")["altitude"].is_null());
 }
 
-TEST(StandardMessages, what_an_external_sensor_does_not_know_is_not_told) {
+TEST(StandardMessages, unknown_values_of_an_external_sensor_are_not_published) {
     HeardDevice device;
     device.hear(0x32, longs({1000, -2000, 3000}));
     expect_vector(device.at("external_point")["point"], 1, -2, 3);
@@ -276,7 +276,7 @@ TEST(StandardMessages, a_range_has_the_frame_of_its_direction) {
     EXPECT_TRUE(device.topics.empty());
 }
 
-TEST(StandardMessages, a_scan_goes_round_to_the_right) {
+TEST(StandardMessages, a_scan_is_ordered_clockwise) {
     HeardDevice device;
     device.hear(0x34, Bytes{100} + shorts({0, 250, 9000, 100, 18000, 0, 27000, 300}));    // ahead, right, none behind, left
     EXPECT_EQ(device.topics, std::vector<std::string>{"scan"});
@@ -295,12 +295,12 @@ TEST(StandardMessages, a_scan_goes_round_to_the_right) {
     EXPECT_EQ(device.at("scan")["width"], 0);
 }
 
-TEST(StandardMessages, no_topic_is_called_as_a_message_of_the_table_is) {
+TEST(StandardMessages, no_topic_has_the_name_of_a_message_of_the_table) {
     for (std::size_t i = 0; i < standard_topics; ++i)
         EXPECT_EQ(ano::find_message(standard_row(static_cast<StandardTopic>(i)).name), nullptr);
 }
 
-TEST(StandardMessages, a_time_beyond_2038_is_the_last_one) {
+TEST(StandardMessages, a_time_beyond_2038_becomes_the_largest_time) {
     HeardDevice device;
     device.now_ns = UINT64_MAX;
     device.hear(0x0D, shorts({1, 2}));

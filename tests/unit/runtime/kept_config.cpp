@@ -19,7 +19,7 @@ struct Kept {
     std::optional<KeptConfig> config;
 };
 
-TEST(KeptConfig, is_read_as_it_was_written_whatever_its_bytes) {
+TEST(KeptConfig, is_read_as_it_was_written_with_any_bytes) {
     const support::TempDir dir;
     const std::string path = dir / "deeper/state/kept";
     EXPECT_EQ(keep_config(path, sample), "");
@@ -36,13 +36,13 @@ TEST(KeptConfig, is_read_as_it_was_written_whatever_its_bytes) {
     EXPECT_EQ(forget_config(path), "") << "there is none any more";
 }
 
-TEST(KeptConfig, is_told_from_another_by_its_texts) {
+TEST(KeptConfig, is_compared_by_its_texts) {
     EXPECT_TRUE(have_same_texts({{"a.json", "1"}, {"b", "2"}}, {{"/etc/a.json", "1"}, {"/etc/b", "2"}}));
     EXPECT_FALSE(have_same_texts({{"a.json", "1"}, {"b", "2"}}, {{"a.json", "1"}}));
     EXPECT_FALSE(have_same_texts({{"a.json", "1"}}, {{"a.json", "2"}}));
 }
 
-TEST(KeptConfig, that_is_damaged_is_none) {
+TEST(KeptConfig, that_is_damaged_is_not_used) {
     const support::TempDir dir;
     const std::string path = dir / "kept";
     for (const char* bytes : {"", "nonsense", "{}", "\xA1\x61\x61\x01"}) {
@@ -67,7 +67,7 @@ TEST(KeptConfig, that_is_damaged_is_none) {
     EXPECT_NE(Kept{path}.fault, "");
 }
 
-TEST(KeptConfig, says_why_it_can_not_be_kept) {
+TEST(KeptConfig, reports_why_it_cannot_be_stored) {
     const support::TempDir dir;
     dir.write("file", "");
     EXPECT_NE(keep_config(dir / "file/kept", sample), "");
@@ -75,7 +75,7 @@ TEST(KeptConfig, says_why_it_can_not_be_kept) {
     EXPECT_NE(keep_config("/proc/nowhere/kept", sample), "");
 }
 
-TEST(KeptConfig, is_one_of_its_file_in_the_folder_of_the_unit) {
+TEST(KeptConfig, is_stored_per_configuration_file_in_the_folder_of_the_unit) {
     const support::TempDir dir;
     ::setenv("STATE_DIRECTORY", (dir / "a:" + "/b").c_str(), 1);
     const std::string one = kept_config_path("/etc/anogate/anogate.json");

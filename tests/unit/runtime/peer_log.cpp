@@ -30,7 +30,7 @@ protected:
 };
 using Lines = std::vector<std::string>;
 
-TEST_F(Peers, come_and_go_in_thirty_two_lines_in_five_seconds_and_one_for_the_rest) {
+TEST_F(Peers, are_logged_in_at_most_32_lines_in_five_seconds_and_one_for_the_rest) {
     auto now = ano::Clock::now() - 9900ms;
     for (const int more : {8, 3}) {
         const auto said = after(32 + more, now);
@@ -44,7 +44,7 @@ TEST_F(Peers, come_and_go_in_thirty_two_lines_in_five_seconds_and_one_for_the_re
     }
 }
 
-TEST_F(Peers, that_came_before_the_end_are_told_at_the_end) {
+TEST_F(Peers, that_connected_just_before_the_end_are_logged_at_the_end) {
     after(33, ano::Clock::now());
     peers.finish();
     EXPECT_EQ(lines.take(), Lines{"1 more peers came or went"});

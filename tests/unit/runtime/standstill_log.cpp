@@ -36,7 +36,7 @@ TEST_F(StandstillLines, are_five_at_once_and_then_one_in_ten_seconds) {
     EXPECT_EQ(lines.take(), Lines{"stalled 1 more times"});
 }
 
-TEST_F(StandstillLines, are_none_of_what_is_too_short_to_be_told) {
+TEST_F(StandstillLines, are_not_logged_for_stalls_that_are_too_short) {
     EXPECT_EQ(stood(start, false), Lines{});
     log.finish();
     EXPECT_EQ(lines.take(), Lines{});

@@ -58,13 +58,13 @@ TEST(StoredState, is_read_as_it_was_written) {
     EXPECT_EQ(read->links[1].name, "empty");
 }
 
-TEST(StoredState, of_another_time_is_none) {
+TEST(StoredState, of_another_boot_is_not_used) {
     EXPECT_FALSE(parse_stored_state(text_of(sample()), {now.now - 2s, now.boot, now.real})) << "the machine was started since";
     EXPECT_FALSE(parse_stored_state(text_of(sample()), {now.now, now.boot - 2s, now.real}));
     EXPECT_TRUE(parse_stored_state(text_of(sample()), {now.now, now.boot, now.real - 1h})) << "somebody set the clock";
 }
 
-TEST(StoredState, knows_nothing_that_is_still_to_come) {
+TEST(StoredState, limits_times_in_the_future_to_now) {
     StoredState state = sample();
     state.links[0].link.peers[0].memory.heard_at = now.now + 1h;
     state.links[0].channels[0].addresses[0].heard_at = now.now + 1h;
@@ -84,7 +84,7 @@ TEST(StoredState, is_older_by_the_time_that_the_machine_was_suspended) {
     EXPECT_EQ(read->links[0].brought[1].at, now.now - 2s - 1h);
 }
 
-TEST(StoredState, that_is_damaged_is_none) {
+TEST(StoredState, that_is_damaged_is_not_used) {
     const std::string whole = text_of(sample());
     for (std::size_t size = 0; size < whole.size(); ++size) EXPECT_FALSE(parse_stored_state(whole.substr(0, size), now)) << size;
     for (const char* text :

@@ -94,7 +94,7 @@ TEST(Metrics, has_the_state_of_links_and_of_the_gateway) {
     EXPECT_EQ(text.find("anogate_tunnel"), std::string::npos) << "there is none";
 }
 
-TEST(Metrics, has_no_series_twice_whatever_things_are_called) {
+TEST(Metrics, has_no_series_twice_for_any_names) {
     MetricsSnapshot snapshot;
     snapshot.links = {link_called("a\xFF", {"p", "p", "p-2"}), link_called("a\xFE"), link_called("a\xEF\xBF\xBD-2")};
     for (const MetricsForm form : {MetricsForm::prometheus, MetricsForm::openmetrics}) {
@@ -115,7 +115,7 @@ TEST(Metrics, has_a_bounded_number_of_series) {
     EXPECT_LT(text.size(), 300u * 1024);
 }
 
-TEST(Metrics, of_one_family_stand_together) {
+TEST(Metrics, of_one_family_are_grouped_together) {
     MetricsSnapshot snapshot;
     snapshot.links = {link_called("a", {"1", "2"}), link_called("b", {"3"})};
     std::set<std::string> done;

@@ -7,7 +7,7 @@
 namespace anogate::metrics_text_tests {
 namespace {
 
-TEST(MetricsText, is_a_family_behind_the_other) {
+TEST(MetricsText, lists_one_family_after_the_other) {
     const auto written = [](MetricsForm form) {
         MetricsText text{form};
         text.family("anogate_link_frames_in", MetricType::counter, "good frames");
@@ -53,13 +53,13 @@ std::string labelled(std::string_view value) {
     return all.substr(all.find("a{"));
 }
 
-TEST(MetricsText, escapes_what_a_label_may_hold) {
+TEST(MetricsText, escapes_special_characters_in_labels) {
     EXPECT_EQ(labelled("a\\b\"c\nd"), "a{l=\"a\\\\b\\\"c\\nd\"} 1\n");
     EXPECT_EQ(labelled("飞控"), "a{l=\"飞控\"} 1\n");
     EXPECT_EQ(labelled("x\xFFy"), "a{l=\"x\xEF\xBF\xBDy\"} 1\n");
 }
 
-TEST(MetricsText, has_a_word_for_what_is_no_number) {
+TEST(MetricsText, writes_infinities_and_nan_as_words) {
     MetricsText text{MetricsForm::prometheus};
     text.family("a", MetricType::gauge, "b");
     text.sample({}, std::numeric_limits<double>::infinity());
@@ -69,7 +69,7 @@ TEST(MetricsText, has_a_word_for_what_is_no_number) {
     EXPECT_EQ(all.substr(all.find("a +")), "a +Inf\na -Inf\na NaN\n");
 }
 
-TEST(MetricsForm, is_the_newer_one_for_who_asks_for_it) {
+TEST(MetricsForm, is_the_newer_one_for_clients_that_request_it) {
     const auto form = [](const char* accept) { return metrics_form(accept); };
     EXPECT_EQ(form("application/openmetrics-text;version=1.0.0,application/openmetrics-text;version=0.0.1;q=0.75,"
                    "text/plain;version=0.0.4;q=0.5,*/*;q=0.1"),

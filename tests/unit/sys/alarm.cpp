@@ -23,7 +23,7 @@ struct Alarms : testing::Test {
     const ano::TimePoint now = ano::Clock::now();
 };
 
-TEST_F(Alarms, the_earliest_counts_in_whatever_order_they_were_set) {
+TEST_F(Alarms, expire_in_the_order_of_their_times_however_they_were_set) {
     Alarm a{clock, says('a')}, b{clock, says('b')}, c{clock, says('c')}, never{clock, says('n')};
     b.set(now + 20ms);
     c.set(now + 30ms);
@@ -35,7 +35,7 @@ TEST_F(Alarms, the_earliest_counts_in_whatever_order_they_were_set) {
     EXPECT_TRUE(never.is_set());
 }
 
-TEST_F(Alarms, a_slack_shares_the_ring_of_another_and_ends_in_time) {
+TEST_F(Alarms, one_with_slack_expires_together_with_another_and_in_time) {
     ano::TimePoint lazy_rang{};
     Alarm lazy{clock,
                [&] {
@@ -65,7 +65,7 @@ TEST_F(Alarms, set_again_counts_from_the_new_time) {
     EXPECT_EQ(rung, "ba");
 }
 
-TEST_F(Alarms, one_that_is_cancelled_or_gone_does_not_ring_and_the_loop_ends) {
+TEST_F(Alarms, one_that_is_cancelled_or_destroyed_does_not_expire_and_the_loop_ends) {
     Alarm cancelled{clock, says('c')};
     auto gone = std::make_unique<Alarm>(clock, says('g'));
     auto ringer = std::make_unique<Alarm>(clock, [&] {
@@ -85,7 +85,7 @@ TEST_F(Alarms, one_that_is_cancelled_or_gone_does_not_ring_and_the_loop_ends) {
     EXPECT_LT(ano::Clock::now(), now + 1min);
 }
 
-TEST_F(Alarms, one_that_is_set_later_leaves_the_others_their_time) {
+TEST_F(Alarms, one_that_is_set_later_does_not_change_the_time_of_the_others) {
     Alarm first{clock, says('x')}, second{clock, says('a')};
     first.set(now + 10ms);
     second.set(now + 20ms);
@@ -94,7 +94,7 @@ TEST_F(Alarms, one_that_is_set_later_leaves_the_others_their_time) {
     EXPECT_EQ(rung, "a");
 }
 
-TEST_F(Alarms, one_that_is_gone_leaves_the_others_their_time) {
+TEST_F(Alarms, one_that_is_destroyed_does_not_change_the_time_of_the_others) {
     Alarm stays{clock, says('s')};
     auto gone = std::make_unique<Alarm>(clock, says('g'));
     stays.set(now + 20ms);
@@ -112,7 +112,7 @@ TEST_F(Alarms, set_no_later_keeps_an_earlier_time) {
     EXPECT_EQ(rung, "a");
 }
 
-TEST_F(Alarms, one_rings_once_and_may_be_set_again_by_its_own_call) {
+TEST_F(Alarms, one_expires_once_and_may_be_set_again_in_its_handler) {
     int times = 0;
     Alarm again{clock, [&] {
                     if (++times < 3) again.set(ano::Clock::now() + 1ms);
@@ -123,7 +123,7 @@ TEST_F(Alarms, one_rings_once_and_may_be_set_again_by_its_own_call) {
     EXPECT_FALSE(again.is_set());
 }
 
-TEST_F(Alarms, one_that_rang_when_no_other_was_set_may_be_set_again) {
+TEST_F(Alarms, one_that_expired_as_the_only_one_may_be_set_again) {
     Alarm again{clock, says('a')};
     for (const char* so_far : {"a", "aa"}) {
         again.set(ano::Clock::now());
@@ -133,7 +133,7 @@ TEST_F(Alarms, one_that_rang_when_no_other_was_set_may_be_set_again) {
     }
 }
 
-TEST_F(Alarms, one_that_need_not_wait_rings_when_the_loop_has_done_what_it_does) {
+TEST_F(Alarms, one_that_is_hurried_expires_after_the_current_work_of_the_loop) {
     Alarm hurried{clock, says('h'), 10s}, unset{clock, says('u')}, due{clock, says('d'), 10s};
     hurried.set(now + 1h);
     due.set(now);    // its slack has not elapsed
@@ -153,7 +153,7 @@ TEST_F(Alarms, one_that_need_not_wait_rings_when_the_loop_has_done_what_it_does)
     EXPECT_EQ(rung, ".hdh") << "and another time";
 }
 
-TEST_F(Alarms, one_that_rang_before_its_time_leaves_no_wake_up_behind) {
+TEST_F(Alarms, one_that_expired_early_leaves_no_pending_wake_up) {
     Alarm later{clock, says('l')}, again{clock, [&] {
                                              rung += 'a';
                                              again.set(now + 1h);
@@ -169,7 +169,7 @@ TEST_F(Alarms, one_that_rang_before_its_time_leaves_no_wake_up_behind) {
     EXPECT_EQ(rung, "aa");
 }
 
-TEST(AlarmClock, may_go_before_what_it_was_to_ring) {
+TEST(AlarmClock, may_be_destroyed_while_an_alarm_is_pending) {
     asio::io_context io{1};
     std::string rung;
     {

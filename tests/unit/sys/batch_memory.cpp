@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t usual = 16 * 1024;
 
-TEST(BatchMemory, of_a_batch_that_nobody_needs_is_that_of_the_next) {
+TEST(BatchMemory, of_an_unused_batch_is_reused_for_the_next) {
     BatchMemory memory;
     auto first = memory.take(usual);
     EXPECT_EQ(first->size(), usual);
@@ -31,7 +31,7 @@ TEST(BatchMemory, of_a_batch_that_nobody_needs_is_that_of_the_next) {
     EXPECT_EQ(memory.bytes_kept(), 0u);
 }
 
-TEST(BatchMemory, a_small_batch_does_not_hold_that_of_a_large_one) {
+TEST(BatchMemory, a_small_batch_does_not_use_the_memory_of_a_large_one) {
     BatchMemory memory;
     memory.take(usual).reset();
     EXPECT_LT(memory.take(100)->capacity(), 1000u);

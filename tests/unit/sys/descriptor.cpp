@@ -49,7 +49,7 @@ TEST_F(DescriptorInLoop, calls_each_time_there_is_something_to_read) {
     }
 }
 
-TEST_F(DescriptorInLoop, calls_no_more_when_reading_is_stopped) {
+TEST_F(DescriptorInLoop, does_not_call_after_reading_is_stopped) {
     descriptor.read_with([this] { read(); });
     loop.turn();
     descriptor.stop_reading();
@@ -57,7 +57,7 @@ TEST_F(DescriptorInLoop, calls_no_more_when_reading_is_stopped) {
     EXPECT_EQ(calls, 0);
 }
 
-TEST_F(DescriptorInLoop, calls_once_each_time_though_reading_was_stopped_and_began_again) {
+TEST_F(DescriptorInLoop, calls_once_each_time_after_reading_was_stopped_and_restarted) {
     for (int i = 0; i < 3; ++i) {
         descriptor.stop_reading();
         descriptor.read_with([this] { read(); });

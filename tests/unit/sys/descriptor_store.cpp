@@ -31,7 +31,7 @@ bool environment_is_clean() {
     return true;
 }
 
-TEST(DescriptorStore, gives_what_was_passed_to_this_process) {
+TEST(DescriptorStore, returns_descriptors_passed_to_this_process) {
     EXPECT_EQ(support::Child{[] {
                   pass_one(::getpid());
                   const auto taken = take_descriptors();
@@ -41,7 +41,7 @@ TEST(DescriptorStore, gives_what_was_passed_to_this_process) {
               0);
 }
 
-TEST(DescriptorStore, leaves_what_was_passed_to_another_process) {
+TEST(DescriptorStore, ignores_descriptors_passed_to_another_process) {
     EXPECT_EQ(support::Child{[] {
                   pass_one(::getppid());
                   if (!take_descriptors().empty()) return 1;

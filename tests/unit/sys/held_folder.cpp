@@ -35,7 +35,7 @@ struct HeldFolders : testing::Test {
     support::TempDir dir;
 };
 
-TEST_F(HeldFolders, are_fixed_where_nobody_else_may_change_any_of_the_way) {
+TEST_F(HeldFolders, are_fixed_if_no_other_user_may_change_any_part_of_the_path) {
     EXPECT_TRUE(is_fixed(below("ours", 0755)));
     EXPECT_TRUE(is_fixed(below("sticky", 01777))) << "only its owner moves what is there";
     EXPECT_FALSE(is_fixed(below("everybodys", 0777)));
@@ -43,7 +43,7 @@ TEST_F(HeldFolders, are_fixed_where_nobody_else_may_change_any_of_the_way) {
     EXPECT_FALSE(is_fixed(below("of_others", 0757)));
 }
 
-TEST_F(HeldFolders, follow_links_of_ours_and_hold_what_they_lead_to) {
+TEST_F(HeldFolders, follow_links_of_this_user_and_hold_their_targets) {
     const std::string there = below("ours", 0755);
     fs::create_symlink(there, dir / "absolute");
     fs::create_symlink("absolute/../inner", dir / "relative");

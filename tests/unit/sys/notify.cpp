@@ -24,7 +24,7 @@ protected:
     }
 };
 
-TEST_F(Watchdog, is_fed_twice_in_its_time) {
+TEST_F(Watchdog, is_notified_twice_per_interval) {
     ::setenv("WATCHDOG_USEC", "3000000", 1);
     EXPECT_EQ(watchdog_interval(), 1500ms) << "for every process";
     set("3000000", std::to_string(::getpid()));
@@ -32,14 +32,14 @@ TEST_F(Watchdog, is_fed_twice_in_its_time) {
 }
 
 // The process that starts us may have been started by systemd, and left its variables.
-TEST_F(Watchdog, of_another_process_is_not_ours_to_feed) {
+TEST_F(Watchdog, of_another_process_is_not_notified) {
     set("3000000", std::to_string(::getppid()));
     EXPECT_EQ(watchdog_interval(), std::nullopt);
     set("3000000", "");
     EXPECT_EQ(watchdog_interval(), std::nullopt);
 }
 
-TEST_F(Watchdog, is_none_without_a_time) {
+TEST_F(Watchdog, is_off_without_an_interval) {
     EXPECT_EQ(watchdog_interval(), std::nullopt);
     for (const char* none : {"0", "-1", ""}) {
         set(none, std::to_string(::getpid()));

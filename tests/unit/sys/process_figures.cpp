@@ -19,7 +19,7 @@ TEST(ProcessFigures, are_read_from_a_line_of_the_system) {
     EXPECT_EQ(times->resident_pages, 24u);
 }
 
-TEST(ProcessFigures, of_what_is_no_such_line_there_are_none) {
+TEST(ProcessFigures, are_not_read_from_an_invalid_line) {
     for (const char* text : {"", "1234 (name", "1234 (name)", "1234 (name) R 1 2 3"}) EXPECT_FALSE(parse_stat(text)) << text;
 }
 

@@ -17,7 +17,7 @@ std::error_code fault_of(const std::string& path) {
     return error;
 }
 
-TEST(ReadFile, is_the_whole_text_up_to_a_size) {
+TEST(ReadFile, returns_the_whole_text_up_to_a_size) {
     const support::TempDir dir;
     std::error_code error;
     EXPECT_EQ(read_file(dir.write("ten", "0123456789"), 10, error), "0123456789");
@@ -30,7 +30,7 @@ TEST(ReadFile, is_the_whole_text_up_to_a_size) {
 }
 
 // It is a regular file of 0 bytes, whose reader waits for the kernel's next message.
-TEST(ReadFile, without_an_end_is_refused_at_once) {
+TEST(ReadFile, rejects_a_file_without_an_end_at_once) {
     if (::access("/proc/kmsg", R_OK) != 0) GTEST_SKIP() << "only root may read it";
     ::alarm(10);
     std::error_code error;

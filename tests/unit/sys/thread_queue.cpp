@@ -11,7 +11,7 @@ namespace {
 
 using anogate::ThreadQueue;
 
-TEST(ThreadQueue, gives_what_came_in_its_order) {
+TEST(ThreadQueue, returns_items_in_their_order) {
     ThreadQueue<int> queue{4};
     EXPECT_TRUE(queue.empty());
     EXPECT_EQ(queue.pop(), std::nullopt);
@@ -23,7 +23,7 @@ TEST(ThreadQueue, gives_what_came_in_its_order) {
     EXPECT_EQ(queue.pop(), std::nullopt);
 }
 
-TEST(ThreadQueue, takes_no_more_than_it_has_places) {
+TEST(ThreadQueue, accepts_no_more_items_than_its_capacity) {
     ThreadQueue<int> queue{2};
     EXPECT_TRUE(queue.push(1));
     EXPECT_TRUE(queue.has_room());
@@ -36,7 +36,7 @@ TEST(ThreadQueue, takes_no_more_than_it_has_places) {
     EXPECT_EQ(queue.pop(), 4);
 }
 
-TEST(ThreadQueue, keeps_nothing_of_what_was_taken) {
+TEST(ThreadQueue, keeps_no_reference_to_a_removed_item) {
     ThreadQueue<std::shared_ptr<int>> queue{2};
     const auto item = std::make_shared<int>(1);
     queue.push(item);

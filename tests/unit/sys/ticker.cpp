@@ -10,7 +10,7 @@ namespace {
 using namespace anogate;
 using namespace std::chrono_literals;
 
-TEST(Ticker, calls_again_and_again_until_it_is_stopped) {
+TEST(Ticker, calls_repeatedly_until_it_is_stopped) {
     asio::io_context io;
     int calls = 0;
     Ticker ticker{io, [&] {
@@ -21,7 +21,7 @@ TEST(Ticker, calls_again_and_again_until_it_is_stopped) {
     EXPECT_EQ(calls, 3);
 }
 
-TEST(Ticker, one_that_is_stopped_by_its_call_waits_for_no_other) {
+TEST(Ticker, stopped_in_its_handler_waits_for_no_further_call) {
     asio::io_context io;
     Ticker ticker{io, [&] { ticker.stop(); }};
     ticker.start(100ms);
@@ -31,7 +31,7 @@ TEST(Ticker, one_that_is_stopped_by_its_call_waits_for_no_other) {
 }
 
 // The loop handles the due call and the stop in one round, the stop first.
-TEST(Ticker, one_that_is_stopped_when_a_call_is_due_already_does_not_go_on) {
+TEST(Ticker, stopped_while_a_call_is_due_makes_no_further_call) {
     asio::io_context io;
     int calls = 0;
     Ticker ticker{io, [&] { ++calls; }};

@@ -13,7 +13,7 @@ using Stage = WaitingConnection::Stage;
 
 ano::TimePoint at(std::chrono::milliseconds time) { return ano::TimePoint{} + 1h + time; }
 
-TEST(WaitingPlaces, of_the_address_with_most_connections_the_oldest_gives_way) {
+TEST(WaitingPlaces, the_oldest_connection_of_the_address_with_the_most_is_dropped) {
     std::vector<WaitingConnection> all{{1, at(0ms), Stage::begun}};
     for (int i = 1; i <= 10; ++i) all.push_back({2, at(i * 1ms), Stage::begun});
     EXPECT_EQ(gives_way(all, false), 1u);
@@ -21,13 +21,13 @@ TEST(WaitingPlaces, of_the_address_with_most_connections_the_oldest_gives_way) {
     EXPECT_EQ(gives_way(all, false), 2u) << "one that is worked at stays";
 }
 
-TEST(WaitingPlaces, of_a_flood_that_sends_nothing_the_silent_ones_give_way) {
+TEST(WaitingPlaces, silent_connections_of_a_flood_are_dropped_first) {
     std::vector<WaitingConnection> all{{1000, at(0ms), Stage::begun}, {1000, at(0ms), Stage::its_turn}};
     for (std::uint64_t i = 1; i <= 100; ++i) all.push_back({i, at(1ms), Stage::silent});
     EXPECT_EQ(gives_way(all, false), 2u);
 }
 
-TEST(WaitingPlaces, of_a_flood_of_first_messages_those_give_way_and_not_who_has_just_come) {
+TEST(WaitingPlaces, connections_of_a_flood_of_first_messages_are_dropped_before_a_new_connection) {
     std::vector<WaitingConnection> all{{1000, at(0ms), Stage::silent}};
     for (std::uint64_t i = 1; i <= 100; ++i) all.push_back({i, at(1ms), Stage::begun});
     EXPECT_EQ(gives_way(all, false), 1u);
@@ -42,7 +42,7 @@ TEST(WaitingPlaces, a_few_connections_of_one_address_count_as_one) {
     EXPECT_EQ(gives_way(all, false), 0u);
 }
 
-TEST(WaitingPlaces, a_trusted_one_gives_way_to_trusted_ones_alone) {
+TEST(WaitingPlaces, a_trusted_connection_is_replaced_only_by_trusted_ones) {
     std::vector<WaitingConnection> all(3, {1, at(0ms), Stage::silent, true});
     EXPECT_EQ(gives_way(all, false), std::nullopt);
     EXPECT_EQ(gives_way(all, true), 0u);
@@ -51,7 +51,7 @@ TEST(WaitingPlaces, a_trusted_one_gives_way_to_trusted_ones_alone) {
     EXPECT_EQ(gives_way({}, false), std::nullopt);
 }
 
-TEST(WaitingPlaces, of_one_address_only_a_few_go_first) {
+TEST(WaitingPlaces, only_a_few_connections_of_one_address_have_priority) {
     std::vector<WaitingConnection> all;
     for (int i = 0; i < 4; ++i) all.push_back({1, at(i * 1ms), Stage::its_turn, true});
     all.push_back({2, at(5ms), Stage::its_turn});
@@ -64,7 +64,7 @@ TEST(WaitingPlaces, of_one_address_only_a_few_go_first) {
     EXPECT_EQ(gives_way(crowd, false), 0u) << "others get in";
 }
 
-TEST(WaitingPlaces, turns_are_for_trusted_ones_then_for_who_answered_then_for_the_address_with_fewest_then_for_the_oldest) {
+TEST(WaitingPlaces, turns_follow_trust_then_answers_then_fewest_connections_then_age) {
     std::vector<WaitingConnection> all{{1, at(0ms), Stage::begun}};
     EXPECT_EQ(next_turn(all, 100), std::nullopt);
     for (int i = 0; i < 10; ++i) all.push_back({2, at(i * 1ms), Stage::its_turn});
@@ -77,7 +77,7 @@ TEST(WaitingPlaces, turns_are_for_trusted_ones_then_for_who_answered_then_for_th
     EXPECT_EQ(next_turn(all, 100), 13u);
 }
 
-TEST(WaitingPlaces, while_nearly_all_are_taken_the_newest_has_its_turn) {
+TEST(WaitingPlaces, the_newest_connection_has_its_turn_while_nearly_all_are_used) {
     std::vector<WaitingConnection> all;
     for (std::uint64_t i = 0; i < 74; ++i) all.push_back({i, at(1ms * i), Stage::its_turn});
     EXPECT_EQ(next_turn(all, 100), 0u);

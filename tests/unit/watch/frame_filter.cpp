@@ -40,7 +40,7 @@ const auto euler = frame(0xDC, 0xFE, 0x03, {1});
 const auto inertial = frame(0xDC, 0xFE, 0x01, {1});
 const auto command = frame(0xFE, 0xDC, 0xE0, {1});
 
-TEST(FrameFilter, without_a_word_everything_is_taken) {
+TEST(FrameFilter, accepts_everything_without_a_condition) {
     FrameFilter filter{read({}).filter};
     for (const Direction direction : {Direction::in, Direction::out, Direction::dropped})
         for (const std::uint8_t link : {std::uint8_t{0}, std::uint8_t{63}}) EXPECT_TRUE(takes(filter, euler, direction, link));
@@ -48,7 +48,7 @@ TEST(FrameFilter, without_a_word_everything_is_taken) {
     EXPECT_EQ(read({{"format", "binary"}}).format, FrameFormat::binary);
 }
 
-TEST(FrameFilter, takes_what_all_of_its_words_name) {
+TEST(FrameFilter, accepts_frames_that_match_all_conditions) {
     FrameFilter by_id{read({{"id", "euler,0x20-0x2F"}, {"id", "0x01"}}).filter};
     EXPECT_TRUE(takes(by_id, euler));
     EXPECT_TRUE(takes(by_id, inertial));
@@ -64,7 +64,7 @@ TEST(FrameFilter, takes_what_all_of_its_words_name) {
     EXPECT_FALSE(takes(by_address, command));
 }
 
-TEST(FrameFilter, takes_the_directions_and_links_that_are_named) {
+TEST(FrameFilter, accepts_the_named_directions_and_links) {
     FrameFilter way{read({{"direction", "in,dropped"}}).filter};
     EXPECT_TRUE(takes(way, euler, Direction::in));
     EXPECT_TRUE(takes(way, euler, Direction::dropped));
@@ -77,7 +77,7 @@ TEST(FrameFilter, takes_the_directions_and_links_that_are_named) {
     EXPECT_FALSE(takes(link, euler, Direction::in, 0));
 }
 
-TEST(FrameFilter, a_limit_is_of_one_id_and_of_each_direction) {
+TEST(FrameFilter, a_limit_applies_to_one_id_in_each_direction) {
     FrameFilter filter{read({{"limit.euler", "10"}}).filter};
     const auto at = [&](ano::Duration time, const support::Bytes& bytes, Direction direction) {
         return filter.takes(direction, 0, ano::FrameView{bytes}, start + time);
@@ -89,7 +89,7 @@ TEST(FrameFilter, a_limit_is_of_one_id_and_of_each_direction) {
     EXPECT_TRUE(at(100ms, euler, Direction::in));
 }
 
-TEST(FrameFilter, frames_wait_for_each_other_as_long_as_is_said_and_all_are_taken) {
+TEST(FrameFilter, batch_sets_how_long_frames_wait_for_each_other_and_all_are_accepted) {
     EXPECT_EQ(read({}).filter.batch, 10ms);
     EXPECT_EQ(read({{"batch", "1ms"}}).filter.batch, 1ms);
     EXPECT_EQ(read({{"batch", "1s"}}).filter.batch, 1s);
@@ -98,7 +98,7 @@ TEST(FrameFilter, frames_wait_for_each_other_as_long_as_is_said_and_all_are_take
     EXPECT_TRUE(takes(filter, euler, Direction::dropped, 63));
 }
 
-TEST(FrameFilter, frames_whose_source_is_at_home_elsewhere_can_be_left_out_and_use_up_no_limit) {
+TEST(FrameFilter, frames_of_sources_elsewhere_can_be_omitted_and_do_not_use_up_a_limit) {
     EXPECT_TRUE(read({{"elsewhere", "yes"}}).filter.elsewhere);
     EXPECT_TRUE(read({}).filter.elsewhere);
     EXPECT_EQ(fault({"elsewhere", "nope"}), "elsewhere='nope' is neither yes nor no");
@@ -114,7 +114,7 @@ TEST(FrameFilter, frames_whose_source_is_at_home_elsewhere_can_be_left_out_and_u
     EXPECT_FALSE(take(whole, true));
 }
 
-TEST(FrameFilter, samples_are_of_each_link_sender_and_id) {
+TEST(FrameFilter, samples_count_separately_for_each_link_sender_and_id) {
     FrameFilterSettings settings;
     settings.samples = 2;
     FrameFilter filter{settings};
@@ -148,7 +148,7 @@ TEST(FrameFilter, samples_of_a_slow_device_are_not_crowded_out_by_a_fast_one) {
     EXPECT_EQ(fault({"samples", "x"}), "samples='x' is not a number from 1 to 100");
 }
 
-TEST(FrameFilter, what_is_wrong_is_told_in_words) {
+TEST(FrameFilter, invalid_filters_are_rejected_with_an_explanation) {
     EXPECT_EQ(fault({"form", "0xDC"}),
               "unknown filter 'form' (did you mean 'from'?); filters are from, to, id, link, direction, limit.ID, samples, "
               "elsewhere, batch and format");

@@ -22,7 +22,7 @@ constexpr std::uint64_t time_ns = 1'700'000'000'123'456'789;
 
 json shown(const FrameRecord& record) { return json::parse(record_json(record, tables, {})); }
 
-TEST(RecordJson, is_the_frame_with_when_and_where_it_passed) {
+TEST(RecordJson, contains_the_frame_with_the_time_and_link_where_it_passed) {
     const json in = shown({time_ns, 5, 0, Direction::in, 0, 0, ano::FrameView{euler}});
     EXPECT_EQ(in.at("name"), "euler");
     EXPECT_EQ(in.at("fields").at("rol"), 1.23);
@@ -38,7 +38,7 @@ TEST(RecordJson, is_the_frame_with_when_and_where_it_passed) {
     EXPECT_EQ(std::get<0>(bytes), euler) << "what is told beside it is ignored where a frame is made of it";
 }
 
-TEST(RecordJson, tells_why_a_frame_was_dropped_and_names_no_channel_where_there_is_none) {
+TEST(RecordJson, contains_the_cause_of_a_drop_and_no_channel_where_there_is_none) {
     const json dropped = shown(
         {time_ns, 5, 2, Direction::dropped, number_of(&SendCounters::limited), FrameRecord::no_channel, ano::FrameView{euler}});
     EXPECT_EQ(dropped.at("link"), "ground");
@@ -47,13 +47,13 @@ TEST(RecordJson, tells_why_a_frame_was_dropped_and_names_no_channel_where_there_
     EXPECT_FALSE(dropped.contains("peer"));
 }
 
-TEST(RecordJson, what_no_table_knows_is_null_and_what_is_no_text_is_replaced) {
+TEST(RecordJson, unknown_numbers_are_null_and_invalid_text_is_replaced) {
     EXPECT_EQ(shown({0, 0, 1, Direction::in, 0, 7, ano::FrameView{euler}}).at("link"), nullptr);
     EXPECT_EQ(shown({0, 0, 9, Direction::in, 0, 7, ano::FrameView{euler}}).at("peer"), nullptr);
     EXPECT_EQ(shown({0, 0, 0, Direction::in, 0, 1, ano::FrameView{euler}}).at("peer"), "\xEF\xBF\xBDpeer");
 }
 
-TEST(RecordJson, lost_frames_are_told_by_message) {
+TEST(RecordJson, lost_frames_are_reported_per_message) {
     LostFrames lost;
     lost.by_id[0x03] = 120;
     lost.by_id[0x77] = 2;

@@ -27,7 +27,7 @@ std::string next(WatchQueue& queue, ano::TimePoint now = start) {
     return std::to_string(std::get<WatchQueue::Batch>(*item)->size());
 }
 
-TEST(WatchQueue, gives_what_came_in_its_order) {
+TEST(WatchQueue, returns_items_in_their_order) {
     WatchQueue queue{100};
     queue.push(tables("t"));
     EXPECT_TRUE(queue.push(batch(3)));
@@ -38,7 +38,7 @@ TEST(WatchQueue, gives_what_came_in_its_order) {
     EXPECT_EQ(queue.bytes(), 0u);
 }
 
-TEST(WatchQueue, its_bound_is_of_the_bytes_that_wait) {
+TEST(WatchQueue, the_limit_applies_to_the_waiting_bytes) {
     WatchQueue queue{10};
     EXPECT_TRUE(queue.push(batch(10)));
     EXPECT_EQ(next(queue), "10");
@@ -49,7 +49,7 @@ TEST(WatchQueue, its_bound_is_of_the_bytes_that_wait) {
     EXPECT_TRUE(queue.push(batch(4))) << "nothing was counted as lost";
 }
 
-TEST(WatchQueue, what_was_lost_is_told_behind_what_waited_and_before_what_comes) {
+TEST(WatchQueue, a_loss_is_reported_after_waiting_frames_and_before_new_ones) {
     WatchQueue queue{10};
     EXPECT_TRUE(queue.push(batch(8)));
     EXPECT_FALSE(queue.push(batch(8)));
@@ -78,7 +78,7 @@ TEST(WatchQueue, what_was_lost_is_told_behind_what_waited_and_before_what_comes)
     EXPECT_EQ(std::get<LostFrames>(*again).since, 1s);
 }
 
-TEST(WatchQueue, of_the_tables_that_changed_while_frames_were_lost_the_last_follow_the_loss) {
+TEST(WatchQueue, only_the_latest_of_the_tables_changed_during_a_loss_follow_it) {
     WatchQueue queue{10};
     queue.push(tables("t"));
     queue.lose(3, start);
@@ -91,7 +91,7 @@ TEST(WatchQueue, of_the_tables_that_changed_while_frames_were_lost_the_last_foll
     EXPECT_EQ(next(queue), "5");
 }
 
-TEST(LostFrames, of_two_losses_every_id_is_counted) {
+TEST(LostFrames, two_losses_are_added_for_every_id) {
     LostFrames lost, later;
     lost.count = lost.by_id[3] = 2;
     later.by_id[3] = 1;

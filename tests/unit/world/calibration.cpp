@@ -104,7 +104,7 @@ void rounds_the_compass() {
 }
 
 // On a line, as `sim:imu,restart_after=15s`: its old calibration becomes active again halfway.
-TEST(CalibrationOfSimulated, straightens_the_accelerometer_of_one_that_restarts_meanwhile) {
+TEST(CalibrationOfSimulated, corrects_the_accelerometer_of_an_imu_that_restarts_meanwhile) {
     const ano::TimePoint start{1000s};
     ano::world::FaultyLine line{ano::world::make_device("imu", {0, 50, 1}, start), {.restart_after = 15s}, 1, start};
     auto& parameters = line.device().device().parameters();
@@ -135,12 +135,14 @@ TEST(CalibrationOfSimulated, straightens_the_accelerometer_of_one_that_restarts_
     EXPECT_LT(task.verified().value_or(100), 3);
 }
 
-TEST(CalibrationOfSimulated, straightens_the_accelerometer_of_the_flight_controller) {
+TEST(CalibrationOfSimulated, corrects_the_accelerometer_of_the_flight_controller) {
     straightens_the_accelerometer<ano::world::FlightController>();
 }
-TEST(CalibrationOfSimulated, straightens_the_accelerometer_of_the_imu) { straightens_the_accelerometer<ano::world::Imu>(); }
-TEST(CalibrationOfSimulated, straightens_the_accelerometer_of_the_car) { straightens_the_accelerometer<ano::world::Car>(); }
-TEST(CalibrationOfSimulated, rounds_the_compass_of_the_flight_controller) { rounds_the_compass<ano::world::FlightController>(); }
+TEST(CalibrationOfSimulated, corrects_the_accelerometer_of_the_imu) { straightens_the_accelerometer<ano::world::Imu>(); }
+TEST(CalibrationOfSimulated, corrects_the_accelerometer_of_the_car) { straightens_the_accelerometer<ano::world::Car>(); }
+TEST(CalibrationOfSimulated, corrects_the_compass_of_the_flight_controller) {
+    rounds_the_compass<ano::world::FlightController>();
+}
 
 }    // namespace
 }    // namespace calibration_tests

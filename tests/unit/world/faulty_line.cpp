@@ -53,7 +53,7 @@ struct BadDay {
     FaultyLine line;
 };
 
-TEST(FaultyLine, without_faults_is_as_the_device_itself) {
+TEST(FaultyLine, without_faults_behaves_like_the_device_itself) {
     BadDay day{{}};
     day.run_for(2s);
     std::vector<Arrived> expected;
@@ -69,7 +69,7 @@ TEST(FaultyLine, without_faults_is_as_the_device_itself) {
     EXPECT_EQ(day.count(0xE3), 1u) << "at once";
 }
 
-TEST(FaultyLine, loses_so_many_both_ways) {
+TEST(FaultyLine, loses_the_configured_share_in_both_directions) {
     Faults faults;
     faults.loss = 20;
     BadDay day{faults};
@@ -78,7 +78,7 @@ TEST(FaultyLine, loses_so_many_both_ways) {
     EXPECT_NEAR(static_cast<double>(day.line.counters().lost), 360, 60);
 }
 
-TEST(FaultyLine, doubles_so_many) {
+TEST(FaultyLine, duplicates_the_configured_share_of_frames) {
     Faults faults;
     faults.duplicate = 50;
     BadDay day{faults};
@@ -86,7 +86,7 @@ TEST(FaultyLine, doubles_so_many) {
     EXPECT_NEAR(static_cast<double>(day.count(0xE3)), 2250, 100);
 }
 
-TEST(FaultyLine, damages_one_bit_of_so_many) {
+TEST(FaultyLine, corrupts_one_bit_in_the_configured_share_of_frames) {
     Faults faults;
     faults.corrupt = 100;
     BadDay day{faults};
@@ -102,7 +102,7 @@ TEST(FaultyLine, damages_one_bit_of_so_many) {
     EXPECT_EQ(day.line.counters().damaged, said + 1);
 }
 
-TEST(FaultyLine, delays_both_ways_and_jitter_lets_one_overtake_another) {
+TEST(FaultyLine, delays_both_directions_and_jitter_reorders_frames) {
     Faults faults;
     faults.delay = 100ms;
     BadDay day{faults};
@@ -125,7 +125,7 @@ TEST(FaultyLine, delays_both_ways_and_jitter_lets_one_overtake_another) {
     EXPECT_GT(elsewhere, restless.arrived.size() / 2);
 }
 
-TEST(FaultyLine, is_deaf_after_its_time_and_goes_on_talking) {
+TEST(FaultyLine, receives_nothing_after_the_configured_time_and_continues_sending) {
     Faults faults;
     faults.deaf_after = 2s;
     BadDay day{faults};
@@ -141,7 +141,7 @@ TEST(FaultyLine, is_deaf_after_its_time_and_goes_on_talking) {
     EXPECT_GT(day.count(0x03), 40u);
 }
 
-TEST(FaultyLine, carries_no_more_than_it_has_room_for) {
+TEST(FaultyLine, drops_frames_beyond_its_capacity) {
     Faults faults;
     faults.delay = 10s;
     BadDay day{faults};
@@ -149,7 +149,7 @@ TEST(FaultyLine, carries_no_more_than_it_has_room_for) {
     EXPECT_EQ(day.line.counters().lost, 5u);
 }
 
-TEST(FaultyLine, is_slow_and_twenty_may_wait) {
+TEST(FaultyLine, handles_frames_slowly_and_at_most_twenty_wait) {
     Faults faults;
     faults.slow = 100ms;
     BadDay day{faults};
@@ -165,7 +165,7 @@ TEST(FaultyLine, is_slow_and_twenty_may_wait) {
 }
 
 // Like a device that loses power: values that were not stored are lost.
-TEST(FaultyLine, a_device_that_restarts_is_silent_for_a_second_and_has_its_stored_values_again) {
+TEST(FaultyLine, a_device_that_restarts_is_silent_for_a_second_and_restores_its_stored_values) {
     BadDay day{{.restart_after = 5s}};
     auto& parameters = day.line.device().device().parameters();
     const auto act = [&](std::uint8_t action) {
@@ -194,7 +194,7 @@ TEST(FaultyLine, a_device_that_restarts_is_silent_for_a_second_and_has_its_store
     EXPECT_EQ(value("CAL_AOFF_X"), ano::device::Value{0.0}) << "it restarts once";
 }
 
-TEST(FaultyLine, with_the_vendors_parser_a_damaged_len_makes_the_device_deaf_until_its_bytes_have_come) {
+TEST(FaultyLine, with_the_vendor_parser_a_damaged_LEN_makes_the_device_deaf_until_its_bytes_arrive) {
     Faults faults;
     faults.vendor_parser = true;
     BadDay day{faults};

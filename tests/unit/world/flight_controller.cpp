@@ -51,7 +51,7 @@ struct FlyingFc : support::Simulated<FlightController> {
     }
 };
 
-TEST(FlightController, says_who_it_is) {
+TEST(FlightController, reports_its_device_info) {
     FlyingFc fc;
     const Bytes expected = frame(0xDC, 0xFE, 0xE3, support::hex("DC 64 00 64 00 00 00 20 03 53 69 6D 46 43"));
     EXPECT_EQ(fc.answers(0xE0, {0, 0, 0}), (std::vector<Bytes>{expected}));
@@ -86,7 +86,7 @@ TEST(FlightController, has_12_commands_with_values_of_all_types) {
     EXPECT_EQ(ano::as<"log_value">(ano::FrameView{fc.said.front()})->get<"val">(), 17);
 }
 
-TEST(FlightController, stays_on_the_ground_until_it_is_told) {
+TEST(FlightController, stays_on_the_ground_until_commanded_to_take_off) {
     FlyingFc fc;
     fc.run_for(5s);
     EXPECT_EQ(fc.place(), Vector{});
@@ -125,7 +125,7 @@ TEST(FlightController, takes_off_hovers_and_lands) {
     EXPECT_EQ(fc.next<"mode">()->get<"cmd1">(), 4) << "back to hover";
 }
 
-TEST(FlightController, goes_to_a_place_turns_and_returns_home) {
+TEST(FlightController, flies_to_a_position_turns_and_returns_home) {
     FlyingFc fc;
     fc.fly_to(2);
     ASSERT_TRUE(fc.command(8, std::int64_t{1000}, std::int64_t{-500}, std::uint16_t{400}));
@@ -170,7 +170,7 @@ TEST(FlightController, flies_its_waypoints) {
     EXPECT_TRUE(fc.is_at({11.13, 8.54, 5})) << fc.place().x << ' ' << fc.place().y << ' ' << fc.place().z;
 }
 
-TEST(FlightController, looks_at_the_next_waypoint_or_where_that_says) {
+TEST(FlightController, faces_the_next_waypoint_or_the_yaw_that_the_waypoint_sets) {
     FlyingFc fc;
     put(fc, 1, 116.2999, 39.9, 200);                 // 8.5 m to the west
     put(fc, 2, 116.2998, 39.9, 200, {.yaw = 90});    // further on, looking back to the east
@@ -184,7 +184,7 @@ TEST(FlightController, looks_at_the_next_waypoint_or_where_that_says) {
     EXPECT_NEAR(yaw(), -90, 3);
 }
 
-TEST(FlightController, stays_at_a_waypoint_as_long_as_that_says) {
+TEST(FlightController, stays_at_a_waypoint_for_the_time_that_the_waypoint_sets) {
     FlyingFc fc;
     put(fc, 1, 116.3, 39.9, 200, {.fun = 1, .seconds = 20});    // above home
     put(fc, 2, 116.3, 39.9001, 200);
@@ -208,7 +208,7 @@ double error_of_satellites(FlyingFc& fc) {
     return (seen - fc.place()).length();
 }
 
-TEST(FlightController, is_seen_by_satellites_where_it_flies) {
+TEST(FlightController, reports_its_satellite_position_in_flight) {
     FlyingFc fc;
     put(fc, 1, 116.3, 39.9002, 800);
     fc.fly_to(2);
@@ -231,7 +231,7 @@ TEST(FlightController, is_seen_by_satellites_where_it_flies) {
     EXPECT_GT(fc.next<"gps">()->get<"d_spe">(), 20) << "it lands";
 }
 
-TEST(FlightController, what_satellites_say_wanders_around_the_truth) {
+TEST(FlightController, satellite_positions_drift_around_the_true_position) {
     FlyingFc fc, same;
     double most = 0, furthest_step = 0;
     Vector sum, last = seen_by_satellites(fc);
@@ -307,7 +307,7 @@ TEST(FlightController, follows_realtime_control) {
     EXPECT_LT(fc.flight().body().velocity().y, 0.5) << "sticks off centre: 0x41 does not count";
 }
 
-TEST(FlightController, flies_with_every_gain_that_it_takes) {
+TEST(FlightController, flies_with_every_gain_that_it_accepts) {
     for (int combination = 0; combination < 16; ++combination) {
         FlyingFc fc;
         int bit = 0;
@@ -319,7 +319,7 @@ TEST(FlightController, flies_with_every_gain_that_it_takes) {
     }
 }
 
-TEST(FlightController, battery_sinks_and_brings_it_down) {
+TEST(FlightController, lands_when_the_battery_is_low) {
     FlyingFc fc;
     ASSERT_TRUE(fc.write("SIM_FLIGHT_TIME", std::uint32_t{60}));
     fc.fly_to(2);
@@ -366,7 +366,7 @@ TEST(FlightController, scans_the_walls_around_it) {
     EXPECT_EQ(ano::load<std::uint16_t>(points.data() + 9 * 4 + 2), 2000) << "to the right";
 }
 
-TEST(FlightController, speaks_at_its_rates_and_makes_up_for_no_pause) {
+TEST(FlightController, sends_at_its_rates_and_does_not_catch_up_after_a_pause) {
     FlyingFc fc{Settings{.id = 0, .hz = 100, .seed = 1}};
     fc.run_for(10s);
     EXPECT_EQ(fc.count(0x01), 1000u);
@@ -382,7 +382,7 @@ TEST(FlightController, speaks_at_its_rates_and_makes_up_for_no_pause) {
     EXPECT_LE(fc.device.due(), fc.now + 10ms);
 }
 
-TEST(FlightController, hears_nothing_that_is_for_others) {
+TEST(FlightController, ignores_frames_for_other_devices) {
     FlyingFc fc;
     const Bytes take_off = frame(0xFE, 0xDB, 0xC0, {0x10, 0, 1, 0x2C, 0x01});
     fc.device.take(ano::FrameView{take_off}, fc.now, fc.hear);

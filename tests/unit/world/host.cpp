@@ -42,7 +42,7 @@ struct Day {
     FaultyLine line;
 };
 
-TEST(HostOfSimulated, reads_and_writes_on_a_bad_day) {
+TEST(HostOfSimulated, reads_and_writes_over_a_bad_link) {
     for (std::uint64_t seed = 1; seed <= 5; ++seed) {
         Faults faults;
         faults.loss = 15;
@@ -73,7 +73,7 @@ TEST(HostOfSimulated, reads_and_writes_on_a_bad_day) {
     }
 }
 
-TEST(HostOfSimulated, says_that_a_deaf_device_does_not_answer) {
+TEST(HostOfSimulated, reports_a_timeout_for_a_deaf_device) {
     Faults faults;
     faults.deaf_after = 1ms;
     Day day{faults, 1};

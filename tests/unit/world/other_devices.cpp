@@ -34,7 +34,7 @@ constexpr Kind all_kinds[]{{"fc", 0xDC, "SimFC"},
                            {"radio", 0xE6, "SimRadio"},
                            {"car", 40, "SimCar"}};
 
-TEST(SimulatedKinds, say_who_they_are_at_their_usual_address_or_another) {
+TEST(SimulatedKinds, report_their_device_info_at_the_default_address_or_another) {
     for (const Kind& kind : all_kinds)
         for (const std::uint8_t id : {std::uint8_t{0}, std::uint8_t{77}}) {
             const auto device = make_device(kind.kind, {id, 50, 1}, ano::TimePoint{1000s});
@@ -45,7 +45,7 @@ TEST(SimulatedKinds, say_who_they_are_at_their_usual_address_or_another) {
 }
 
 // Info, erase, the only frame, all sent.
-TEST(SimulatedKinds, take_an_image_on_the_ground) {
+TEST(SimulatedKinds, accept_a_firmware_image_on_the_ground) {
     Simulated<Imu> imu;
     const Bytes image{1, 2, 3, 4};
     const std::uint16_t crc = ano::crc16_of(image);
@@ -68,7 +68,7 @@ TEST(SimulatedKinds, take_an_image_on_the_ground) {
     EXPECT_EQ(last_code(), 0x1012);
 }
 
-TEST(SimulatedImu, sways_as_it_is_set) {
+TEST(SimulatedImu, sways_as_configured) {
     Simulated<Imu> imu;
     double most = 0;
     for (int i = 0; i < 20; ++i) most = std::max(most, std::abs(imu.next<"euler">()->get<"rol">()));
@@ -81,7 +81,7 @@ TEST(SimulatedImu, sways_as_it_is_set) {
     EXPECT_TRUE(imu.next<"altitude">());
 }
 
-TEST(SimulatedFlow, sees_how_it_is_carried) {
+TEST(SimulatedFlow, measures_how_it_is_moved) {
     Simulated<FlowSensor> flow;
     ASSERT_TRUE(flow.write("SIM_SPEED", std::uint16_t{100}));
     const auto fused = *flow.next<"optical_flow", "mode1">();
@@ -97,7 +97,7 @@ TEST(SimulatedFlow, sees_how_it_is_carried) {
     EXPECT_EQ((flow.next<"optical_flow", "mode1">()->get<"state">()), 0) << "too high to see anything";
 }
 
-TEST(SimulatedRadio, tells_how_good_its_link_is) {
+TEST(SimulatedRadio, reports_its_link_quality) {
     Simulated<Radio> radio;
     const auto figures = [&] {
         radio.said.clear();
@@ -144,7 +144,7 @@ struct DrivenCar : Simulated<Car> {
     }
 };
 
-TEST(SimulatedCar, drives_where_it_is_told) {
+TEST(SimulatedCar, drives_to_the_commanded_position) {
     DrivenCar car;
     ASSERT_TRUE(car.go_to(500, 1000));
     ASSERT_TRUE(car.run_until([&] { return (car.device.position() - Vector{5, 10, 0}).length() < 0.2; }));
@@ -157,7 +157,7 @@ TEST(SimulatedCar, drives_where_it_is_told) {
     EXPECT_EQ(car.next<"mode">()->get<"sflag">(), 0);
 }
 
-TEST(SimulatedCar, is_steered_and_stops_when_nobody_does) {
+TEST(SimulatedCar, follows_steering_and_stops_without_it) {
     DrivenCar car;
     car.steer(3s, 200, 0);
     EXPECT_NEAR(car.device.speed(), 2, 0.05);
