@@ -131,6 +131,6 @@ private:
     std::vector<Group> groups_;    // few: there are only a few types of first fields
 };
 
-std::string_view text_of(FlexibleLayouts::Fault fault) noexcept;
+std::string_view to_string(FlexibleLayouts::Fault fault) noexcept;
 
 }    // namespace ano

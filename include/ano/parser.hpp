@@ -99,7 +99,7 @@ private:
     std::uint64_t refused_together(std::uint64_t candidates, std::size_t from, std::size_t sums_end) const noexcept;
     void count_refused(std::uint64_t heads) noexcept;
     bool add_is_wrong(std::size_t at, std::size_t to) const noexcept;
-    bool gives_way(std::size_t at) noexcept;
+    bool yields(std::size_t at) noexcept;
     std::size_t find_good_frame_behind(std::size_t at) noexcept;
     void sum_up_from(std::size_t at) noexcept;
     std::size_t first_not_overdue(TimePoint now) const noexcept;

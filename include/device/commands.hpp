@@ -56,7 +56,7 @@ public:
 private:
     template <class R, class... A>
     std::uint16_t add_function(Command row, std::function<R(A...)> function);
-    Outcome tell_count(const View<"command_query">& question, Reply& reply) const;
+    Outcome send_count(const View<"command_query">& question, Reply& reply) const;
     Outcome describe(std::uint16_t n, Reply& reply) const;
     bool values_of(const Command& row, Bytes bytes, FrameView frame);
     bool is_newest() const noexcept;    // the value types are those of the newest generation of devices

@@ -102,7 +102,7 @@ private:
     void handle(FrameView frame, TimePoint now, Link link);
     Outcome dispatch(FrameView frame, TimePoint now, Reply& reply);
     Outcome parameter_command(FrameView frame, Reply& reply);
-    Outcome tell_info(Reply& reply) const;
+    Outcome send_info(Reply& reply) const;
     Outcome firmware_step(FrameView frame, TimePoint now, Reply& reply);
     void end_firmware_step(TimePoint now);
     void count(Outcome outcome) noexcept;

@@ -82,7 +82,7 @@ private:
     Outcome check(TimePoint now, Reply& reply);
     std::uint16_t end_erasing();
     std::uint16_t end_checking();
-    Outcome tell(Reply& reply, std::uint16_t code) const noexcept { return reply.send(firmware_step(code, order_)); }
+    Outcome send_code(Reply& reply, std::uint16_t code) const noexcept { return reply.send(firmware_step(code, order_)); }
     bool is_ours(const ImageInfo& info) const;
     bool store(std::size_t number, Bytes bytes);
     std::size_t frames() const noexcept { return (image_.size + image_.frame_size - 1u) / image_.frame_size; }

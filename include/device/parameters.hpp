@@ -102,11 +102,11 @@ public:
     bool crashed() const noexcept { return crashed_; }
 
 private:
-    Outcome tell_count(const View<"parameter_command">& question, Reply& reply);
-    Outcome tell_value(std::uint16_t id, Reply& reply);
+    Outcome send_count(const View<"parameter_command">& question, Reply& reply);
+    Outcome send_value(std::uint16_t id, Reply& reply);
     Outcome describe(std::uint16_t id, Reply& reply);
-    Outcome describe_as_of_old(std::uint16_t id, Reply& reply) const;
-    Outcome describe_scaled(std::uint16_t id, Reply& reply) const;
+    Outcome send_old_description(std::uint16_t id, Reply& reply) const;
+    Outcome send_scaled_description(std::uint16_t id, Reply& reply) const;
     std::int32_t factor_of(const Parameter& row) const noexcept;
     bool has(std::uint16_t id);
     bool has_calibration(std::string_view beginning) const noexcept;

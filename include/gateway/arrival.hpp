@@ -28,9 +28,9 @@ public:
     /// A beat that is late by more than this shows a standstill. Smaller delays are normal on a busy machine.
     static constexpr ano::Duration lateness = std::chrono::milliseconds{50};
     /// A standstill longer than this is reported.
-    static constexpr ano::Duration told = std::chrono::milliseconds{500};
+    static constexpr ano::Duration min_reported = std::chrono::milliseconds{500};
     /// A standstill may have begun up to this long before the late beat was due. That time is added before the comparison with
-    /// `told`.
+    /// `min_reported`.
     static constexpr ano::Duration unseen = std::chrono::milliseconds{120};
     /// Data that waited through a standstill is read within this time after it.
     static constexpr ano::Duration catching_up = std::chrono::milliseconds{100};
@@ -38,13 +38,13 @@ public:
     struct Turn {
         ano::Duration stood{};        // minimum duration of the standstill before this turn; zero: none
         ano::Duration suspended{};    // the part of the time since the previous turn that the clock of TimePoint does not count
-        bool is_told = false;
+        bool is_reported = false;
     };
     Turn turn(const ClockReading& clocks) noexcept {
         const ClockReading before = before_ = clocks_;
         clocks_ = clocks;
         if (!beats_) return {};
-        if (clocks.now - before.now > told) gap_ = {before.now, clocks.now};
+        if (clocks.now - before.now > min_reported) gap_ = {before.now, clocks.now};
         const ano::Duration asleep = (clocks.boot - before.boot) - (clocks.now - before.now);
         const ano::Duration suspended = asleep > lateness ? asleep : ano::Duration{};    // below that: the clocks were read one
                                                                                          // after the other
@@ -54,15 +54,15 @@ public:
         stood_until_ = clocks.now;
         due_ = clocks.now + period_;
         is_over_ = false;
-        const bool is_told = late + std::min(period_, unseen) > told;
-        if (is_told) count(late);
-        return {late, suspended, is_told};
+        const bool is_reported = late + std::min(period_, unseen) > min_reported;
+        if (is_reported) count(late);
+        return {late, suspended, is_reported};
     }
     /// Data arrived at `arrived`, by its stamp. It may have waited through a standstill in which no beat was due. Returns the
     /// duration of the standstill if it must be reported; zero: it is too short, or was already reported.
     ano::Duration waited(ano::TimePoint arrived) noexcept {
         const ano::Duration stood = gap_.until - std::max(arrived, gap_.since);
-        if (stood <= told) return {};
+        if (stood <= min_reported) return {};
         count(stood);
         return stood;
     }
@@ -88,9 +88,9 @@ public:
     std::uint64_t standstills() const noexcept { return standstills_; }
     ano::Duration longest() const noexcept { return longest_; }
     /// When the last reported standstill ended.
-    ano::TimePoint last_standstill() const noexcept { return told_until_; }
+    ano::TimePoint last_standstill() const noexcept { return last_standstill_; }
     /// Whether data without a stamp that was read at `time` may have waited through the last reported standstill.
-    bool may_have_waited(ano::TimePoint time) const noexcept { return standstills_ > 0 && time < told_until_ + catching_up; }
+    bool may_have_waited(ano::TimePoint time) const noexcept { return standstills_ > 0 && time < last_standstill_ + catching_up; }
 
 private:
     // The time between two turns.
@@ -100,18 +100,18 @@ private:
     void count(ano::Duration stood) noexcept {
         gap_ = {};
         ++standstills_;
-        told_until_ = clocks_.now;
+        last_standstill_ = clocks_.now;
         longest_ = std::max(longest_, stood);
     }
 
     ClockReading clocks_{};    // of the last turn
     ClockReading before_{};    // of the turn before
-    Gap gap_{};                // the last gap that was longer than `told` and is not counted
+    Gap gap_{};                // the last gap that was longer than `min_reported` and is not counted
     ano::Duration period_{};
     ano::TimePoint due_{};    // the next beat
     ano::Duration stood_since_{};
     ano::TimePoint stood_until_ = ano::TimePoint::min();
-    ano::TimePoint told_until_ = ano::TimePoint::min();
+    ano::TimePoint last_standstill_ = ano::TimePoint::min();
     ano::Duration longest_{};
     std::uint64_t standstills_ = 0;
     bool beats_ = false;

@@ -31,7 +31,7 @@ public:
         return id == ano::id_of<"euler"> || id == ano::id_of<"quaternion">;
     }
     /// `frame` is one for which concerns() is true, with the address of its device.
-    void hear(ano::FrameView frame, TimePoint now) noexcept;
+    void receive(ano::FrameView frame, TimePoint now) noexcept;
 
     /// A device whose frames contradict each other; 0: none.
     std::uint8_t contradictory() const noexcept;

@@ -28,7 +28,7 @@ struct Channel {
     ano::TimePoint opened_at{};
     ano::TimePoint heard_at{};            // time of the last valid frame; zero: none yet
     std::uint64_t skipped_by_then = 0;    // skipped() at the time heard_at
-    bool hosts_spoke = false;             // a frame of a host was to be sent here
+    bool had_host_frames = false;         // a frame of a host was to be sent here
     AnswerWatch answers{};
     EchoWatch echo{};
     ReceiveCounters beside{};    // of further parsers: a CAN link has one per CAN id
@@ -39,7 +39,7 @@ struct Channel {
     ano::TimePoint arrived_at{};    // of the bytes read last; the link sets it before it passes them to the parser
 
     /// A valid frame was received.
-    void hear(ano::TimePoint now) noexcept {
+    void record_received(ano::TimePoint now) noexcept {
         heard_at = now;
         skipped_by_then = skipped();
     }

@@ -57,7 +57,7 @@ public:
         ChannelId claimant{};
     };
     /// The next action that is due, if any.
-    std::optional<Due> take(ano::TimePoint now) noexcept {
+    std::optional<Due> next_due(ano::TimePoint now) noexcept {
         if (!is_due(now)) return std::nullopt;
         earliest_ = ano::TimePoint::max();
         for (std::size_t a = 0; a < tests_.size(); ++a) {

@@ -14,7 +14,7 @@ public:
     static constexpr ano::Duration seen_within = std::chrono::seconds{1};
 
     /// `left`: the bytes sent so far; `waits`: some wait to be sent. True: bytes wait, and none was sent for `patience`.
-    constexpr bool takes_nothing(std::uint64_t left, bool waits, ano::TimePoint now) noexcept {
+    constexpr bool accepts_nothing(std::uint64_t left, bool waits, ano::TimePoint now) noexcept {
         if (!waits || left != left_ || now - seen_at_ > seen_within) since_ = now;
         left_ = left;
         seen_at_ = now;

@@ -41,7 +41,7 @@ public:
         if (const Brought* known = brought_.find(key, std::min(arrived, now)); known && known->by != from) {
             const bool failed = now - heard_at_[index(known->by)] >= silence;
             const bool is_new = kind == Kind::state    ? known->repeats && failed
-                                : kind == Kind::answer ? asked_at_[group] > brought_.put_at(key)
+                                : kind == Kind::answer ? asked_at_[group] > brought_.stored_at(key)
                                                        : false;
             if (!is_new) return true;
             brought_.put(key, {from, true}, now);

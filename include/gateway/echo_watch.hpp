@@ -14,7 +14,7 @@ namespace anogate {
 class EchoWatch {
 public:
     static constexpr std::size_t memory = 32;    // frames
-    static constexpr ano::Duration window = std::chrono::seconds{2}, shown_for = std::chrono::seconds{60};
+    static constexpr ano::Duration window = std::chrono::seconds{2}, reported_for = std::chrono::seconds{60};
     /// If the sender of a frame was received here before, the frame may be its own. It counts as an echo only after this number
     /// of sent frames in a row were received again.
     static constexpr unsigned enough = 4;
@@ -39,7 +39,7 @@ public:
         return true;
     }
     /// For a hint.
-    bool echoes(ano::TimePoint now) const noexcept { return last_echo_ && now - *last_echo_ < shown_for; }
+    bool echoes(ano::TimePoint now) const noexcept { return last_echo_ && now - *last_echo_ < reported_for; }
 
 private:
     struct Sent {

@@ -35,7 +35,7 @@ public:
         return slot && at < time_of(*slot) + window_ ? &slot->value : nullptr;
     }
     /// When the value was stored; only for a key that find() found.
-    ano::TimePoint put_at(std::uint64_t key) noexcept { return time_of(*slot_of(key)); }
+    ano::TimePoint stored_at(std::uint64_t key) noexcept { return time_of(*slot_of(key)); }
     /// Stores `value` with the time `now`; it replaces an earlier value of `key`.
     void put(std::uint64_t key, const Value& value, ano::TimePoint now) noexcept {
         Slot* slot = slot_of(key);
@@ -54,12 +54,12 @@ public:
                 if (slot.at != empty && !keep(slot.key, slot.value)) slot = {};
     }
 
-    /// Calls `tell(key, at, value)` for all values, also expired ones. Too slow for each frame, like keep_if().
-    template <class Tell>
-    void for_each(Tell tell) const {
+    /// Calls `visit(key, at, value)` for all values, also expired ones. Too slow for each frame, like keep_if().
+    template <class Visit>
+    void for_each(Visit visit) const {
         for (std::size_t i = 0; i < set_count(); ++i)
             for (const Slot& slot : sets_[i])
-                if (slot.at != empty) tell(slot.key, time_of(slot), slot.value);
+                if (slot.at != empty) visit(slot.key, time_of(slot), slot.value);
     }
 
 private:

@@ -3,7 +3,7 @@
 // the address 0xFE get one share each.
 //
 // Flow:    queue.push(i, from, source)
-//          queue.start_plan(); queue.next_planned(), queue.take_planned() …    // which frames will be sent, in order
+//          queue.start_plan(); queue.next_planned(), queue.pop_planned() …    // which frames will be sent, in order
 //          queue.next(), queue.take() …                                        // they are sent, in the same order
 #pragma once
 #include <ano/room.hpp>
@@ -49,17 +49,17 @@ public:
     /// The frame to send next; no_frame: none waits.
     FrameIndex next() noexcept { return shared_ ? next_of_many<false>() : first(nodes_[sole].now); }
     /// Removes next() and charges it to the turn of its sender.
-    void take() noexcept {
+    void pop() noexcept {
         const FrameIndex i = next();
         pay<false>(i);
         remove(i);
     }
 
-    /// Whether frames are sent in the order of push(), because there is one sender and no frame overtakes. Then take_front() does
+    /// Whether frames are sent in the order of push(), because there is one sender and no frame overtakes. Then pop_front() does
     /// the same as take(), and the frames after front() follow by `in_flow`.
     bool in_order() const noexcept { return !shared_ && nodes_[sole].now.overtaking.first == no_frame; }
     FrameIndex front() const noexcept { return nodes_[sole].now.rest.first; }
-    void take_front() noexcept {
+    void pop_front() noexcept {
         State& flow = nodes_[sole].now;
         const FrameIndex i = flow.rest.first;
         flow.overtook = false;
@@ -72,7 +72,7 @@ public:
     /// The plan begins with all waiting frames. It is valid until the next push(), take() or remove() of a planned frame.
     void start_plan() noexcept { ++plan_; }
     FrameIndex next_planned() noexcept { return shared_ ? next_of_many<true>() : first(state<true>(sole)); }
-    void take_planned() noexcept {
+    void pop_planned() noexcept {
         const FrameIndex i = next_planned();
         pay<true>(i);
         skip(nodes_[frames_[i].flow].planned, i);
@@ -88,7 +88,7 @@ public:
     }
     /// The oldest frame of the sender with the most waiting bytes, on the channel with the most. The queue must not be empty.
     /// With many channels or senders, only some of them are compared.
-    FrameIndex gives_way() noexcept;
+    FrameIndex next_evicted() noexcept;
     /// The channel on which a waiting frame was received.
     ChannelId channel_of(FrameIndex i) const noexcept { return static_cast<ChannelId>(nodes_[frames_[i].flow].key >> 8); }
     /// The list that contains `i`: of its sender, the frames that overtake, or the others.

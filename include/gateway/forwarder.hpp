@@ -5,7 +5,7 @@
 //          forwarder.link_up(link, now);                         // its wire is connected
 //          forwarder.receive(*channel, frame, now);              // each valid frame
 //          while (Channel* to = forwarder.next_to_flush()) ...   // at the end of a batch: frames wait in its outbox
-//          forwarder.tick(now);                                  // at due(), and say_hellos(now) at hello_due(); then flush
+//          forwarder.tick(now);                                  // at due(), and send_hellos(now) at hello_due(); then flush
 #pragma once
 #include <ano/flush.hpp>
 #include <ano/frame.hpp>
@@ -48,7 +48,7 @@ public:
         struct Wants {
             bool arrivals = true;      // received()
             bool fates = true;         // passes(), offered(), dropped(), refused()
-            bool departures = true;    // left(), gave_up()
+            bool departures = true;    // left(), discarded()
             bool always = false;       // runs as long as the gateway: not counted by is_observed()
             bool operator==(const Wants&) const = default;
         };
@@ -59,7 +59,7 @@ public:
         /// itself, so it does not count as `no_route` when it has no other receiver.
         virtual bool passes(const Channel& /*from*/, ano::FrameView /*frame*/) { return false; }
         /// The frame waits in the outbox of `to`, or in the queue of questions before it; `frame` is as its receiver gets it.
-        /// left() or gave_up() follows. `from` may be `ourselves`.
+        /// left() or discarded() follows. `from` may be `ourselves`.
         virtual void offered(const Channel& to, ano::FrameView frame, ChannelId from) = 0;
         /// A received frame was dropped.
         virtual void dropped(const Channel& from, ano::FrameView frame, ReceiveCause cause) = 0;
@@ -67,7 +67,7 @@ public:
         virtual void refused(LinkId to, ano::FrameView frame, SendCause cause) = 0;
         /// An offered frame was sent on `to`, or was dropped while it waited. Called by outboxes, so they must not throw.
         virtual void left(const Channel& /*to*/, ano::FrameView /*frame*/) noexcept {}
-        virtual void gave_up(const Channel& /*to*/, ano::FrameView /*frame*/, SendCause /*cause*/) noexcept {}
+        virtual void discarded(const Channel& /*to*/, ano::FrameView /*frame*/, SendCause /*cause*/) noexcept {}
         /// The link was removed, with its channels.
         virtual void removed(LinkId /*link*/) {}
 
@@ -143,7 +143,7 @@ public:
     void receive(Channel& from, ano::FrameView frame, TimePoint now);
     /// Sends a frame of the gateway itself on `to`. No address is learned from it. It is counted, filtered and queued like any
     /// other frame.
-    void say(ChannelId to, ano::FrameView frame, TimePoint now);
+    void send_own(ChannelId to, ano::FrameView frame, TimePoint now);
 
     /// Routes a frame of the gateway itself. `from` is not one of the opened channels, and its id is `ourselves`. The rules and
     /// switches of its link apply, and it counts dropped frames. No address is learned from the frame.
@@ -157,7 +157,7 @@ public:
     void answer(ChannelId to, ano::FrameView frame, TimePoint now);
     /// Sends a frame of the gateway itself to a host: on each channel on which its destination was received, and on no other. No
     /// address is learned from it.
-    void say_to_heard(ano::FrameView frame, TimePoint now);
+    void send_to_active_channels(ano::FrameView frame, TimePoint now);
     /// nullptr, the initial value: no call. `own` must outlive the Forwarder, or be replaced before.
     void set_own(Own* own) noexcept { own_ = own; }
 
@@ -178,12 +178,12 @@ public:
     /// When tick() must be called; std::nullopt: no time is set. The time may be too early, but is never too late.
     std::optional<TimePoint> due() const noexcept;
     void tick(TimePoint now);
-    /// The same for say_hellos(), which may be called a little later.
+    /// The same for send_hellos(), which may be called a little later.
     std::optional<TimePoint> hello_due() const noexcept { return hello_due_; }
-    void say_hellos(TimePoint now);
+    void send_hellos(TimePoint now);
 
     /// The next conflict that began and was not returned yet; for the log.
-    std::optional<Conflict> take_conflict();
+    std::optional<Conflict> pop_conflict();
     struct Claimant {
         LinkId link{};
         std::string peer;    // Channel::peer
@@ -196,7 +196,7 @@ public:
     bool is_elsewhere(const Channel& from, std::uint8_t source) const noexcept;
 
     /// As in Router; for the log.
-    std::optional<Router::Moved> take_move() noexcept { return router_.take_move(); }
+    std::optional<Router::Moved> pop_move() noexcept { return router_.pop_move(); }
 
     /// Without observers, nothing is copied for them. If the observer is already registered, this changes its `wants`.
     void add_observer(Observer& observer, Observer::Wants wants);
@@ -234,7 +234,7 @@ private:
 
     void note_arrival(Channel& from) {
         arrived_at_ = std::min(from.arrived_at, now_);
-        from.hear(now_);
+        from.record_received(now_);
     }
 
     // forwarder.cpp: the steps
@@ -250,11 +250,11 @@ private:
     void pass_on(Channel& from, ano::FrameView frame, QueuePolicy policy, const LoopGuard::Arrival& arrival,
                  const LoopGuard::Judgement& judgement);
     void keep_from_tunnel(Route& route);
-    void tell_own(const Channel& from, ano::FrameView frame, Via via) {
+    void pass_to_own(const Channel& from, ano::FrameView frame, Via via) {
         if (own_ && (via == Via::own || via == Via::broadcast)) [[unlikely]]
             own_->take(from, frame, now_);
     }
-    void note_taker(Channel& from, ano::FrameView frame, const Route& route, bool is_ours);
+    void note_receiver(Channel& from, ano::FrameView frame, const Route& route, bool is_ours);
     void drop_unrouted(Channel& from, ano::FrameView frame);
     void note_device(const Channel& from, ano::FrameView frame);
     void offer(ChannelId from, ChannelId to, ano::FrameView frame, QueuePolicy policy, TimePoint arrived_at);
@@ -268,13 +268,13 @@ private:
     void learn(Channel& from, ano::FrameView frame);
 
     // forwarder_questions.cpp
-    void say(ChannelId to, ano::FrameView frame);
+    void send_own(ChannelId to, ano::FrameView frame);
     void send_probes(ChannelId from, ChannelSet channels);
-    void take_probe(Channel& from, ano::FrameView probe);
+    void receive_probe(Channel& from, ano::FrameView probe);
     SendCause ask(ChannelId from, Channel& channel, ano::FrameView frame, QueuePolicy policy, TimePoint arrived_at);
     void release_questions();
     void ask_holders();
-    void say_and_remember(ChannelId to, ano::FrameView frame);
+    void send_own_and_remember(ChannelId to, ano::FrameView frame);
     ano::Flush flush_parser(ChannelId to);
     TimePoint heard_at(const LinkEntry& link) const;
     void await_hellos();
@@ -300,7 +300,7 @@ private:
     LinkSet carried_;    // the links whose tunnel frames are passed to the tunnel
     LinkSet ruled_;      // the links with rules, aliases, present_as, a hello, or devices that accept few questions at a time
     std::vector<Observer*> observers_;    // all
-    std::vector<Observer*> hear_arrivals_, hear_fates_, hear_departures_, always_;
+    std::vector<Observer*> arrival_observers_, fate_observers_, departure_observers_, always_;
     Own* own_ = nullptr;
     std::uint64_t frame_number_ = 0;
     bool to_one_place_ = false;    // the frame now offered goes to one receiver: only an echo returns it
@@ -322,7 +322,7 @@ struct Forwarder::LinkEntry {
     PresentAs* present_as = nullptr;     // nullptr: hosts keep their addresses; the links of a group share one
     std::optional<Hello> hello;          // std::nullopt: it never sends first
     bool exclusive = false;              // no frames are sent
-    bool has_rules() const noexcept { return rules || aliases || present_as || hello || settings.takes_few_questions; }
+    bool has_rules() const noexcept { return rules || aliases || present_as || hello || settings.limits_questions; }
 };
 
 inline const LinkTraffic& Forwarder::traffic(LinkId link) const { return entry(link).traffic; }

@@ -40,7 +40,7 @@ void write(char* at, const FrameRecord& record) noexcept;
 /// Throws std::bad_alloc; then `records` is unchanged.
 void append(std::string& records, const FrameRecord& record);
 /// Removes and returns the first record; std::nullopt: there is none, or `records` are damaged. Valid as long as their memory.
-std::optional<FrameRecord> take_record(std::string_view& records) noexcept;
+std::optional<FrameRecord> next_record(std::string_view& records) noexcept;
 
 /// The names of the counters for the causes of drops; the first is empty.
 std::span<const std::string_view> frame_causes() noexcept;

@@ -29,18 +29,18 @@ public:
 
     void came_up(ano::TimePoint now) noexcept {
         up_at_ = now;
-        said_at_.reset();
+        sent_at_.reset();
     }
     void went_down() noexcept { up_at_.reset(); }
     /// A firmware frame (0xF0) was forwarded to or from the link.
     void saw_firmware(ano::TimePoint now) noexcept { firmware_at_ = now; }
     /// Whether to flush the parser of the device before the next hello: before the third of three without an answer.
     bool may_be_deaf(ano::TimePoint heard_at) const noexcept {
-        return said_at_ && heard_at < *said_at_ && unanswered_ % (until_deaf + 1) == until_deaf;
+        return sent_at_ && heard_at < *sent_at_ && unanswered_ % (until_deaf + 1) == until_deaf;
     }
-    void said(ano::TimePoint now, ano::TimePoint heard_at) noexcept {
-        unanswered_ = said_at_ && heard_at < *said_at_ ? unanswered_ + 1 : 1;
-        said_at_ = now;
+    void sent(ano::TimePoint now, ano::TimePoint heard_at) noexcept {
+        unanswered_ = sent_at_ && heard_at < *sent_at_ ? unanswered_ + 1 : 1;
+        sent_at_ = now;
     }
 
     /// When the next hello is due if nothing is received until then; std::nullopt while the link is down. `heard_at` is the time
@@ -48,7 +48,7 @@ public:
     std::optional<ano::TimePoint> due(ano::TimePoint heard_at) const noexcept {
         if (!up_at_) return std::nullopt;
         ano::TimePoint at = std::max(*up_at_, heard_at) + first_silence;
-        if (said_at_) at = std::max(at, *said_at_ + interval_);
+        if (sent_at_) at = std::max(at, *sent_at_ + interval_);
         if (firmware_at_) at = std::max(at, *firmware_at_ + update_pause);
         return at;
     }
@@ -56,7 +56,7 @@ public:
 private:
     ano::Duration interval_;
     std::optional<ano::TimePoint> up_at_;
-    std::optional<ano::TimePoint> said_at_;    // since it came up
+    std::optional<ano::TimePoint> sent_at_;    // since it came up
     unsigned unanswered_ = 0;                  // hellos since the last valid frame
     std::optional<ano::TimePoint> firmware_at_;
 };

@@ -51,11 +51,11 @@ struct LinkHints {
 struct LinkFigures {
     LinkHints words;
     bool up = false;
-    bool is_over = false;            // a recording that is at its end
-    bool listens = false;            // has a channel per peer, and waits for peers
-    bool has_connections = false;    // its peers connect; otherwise they are known by their frames
-    bool waits_to_hear = false;      // sends no hello, but could be configured to
-    bool for_hosts = false;          // of hosts only, by the received frames or by a route: the other end may only receive
+    bool is_over = false;             // a recording that is at its end
+    bool listens = false;             // has a channel per peer, and waits for peers
+    bool has_connections = false;     // its peers connect; otherwise they are known by their frames
+    bool could_send_hello = false;    // sends no hello, but could be configured to
+    bool for_hosts = false;           // of hosts only, by the received frames or by a route: the other end may only receive
     std::size_t channels = 0;
     ReceiveCounters received;    // of all channels, and bytes that belong to no channel
     SendCounters sent;
@@ -69,12 +69,12 @@ struct LinkFigures {
     std::uint64_t outsiders = 0;             // the same, refused because the sender is outside `allow`
     std::uint64_t handshakes = 0;            // connections closed lately for others, during their TLS handshake
     ano::Duration up_for{};
-    std::optional<ano::Duration> silent_for;     // since the last valid frame; std::nullopt: there was none
-    std::uint64_t skipped_since = 0;             // bytes outside of any frame, since then
-    std::optional<ano::Duration> bytes_ago;      // since the last byte; std::nullopt: there was none
-    std::optional<ano::Duration> untaken_for;    // how long frames to hosts have had no receiver; std::nullopt: they have one
-    std::string_view hosts_link;                 // the link on which hosts were last received, if all such links are down; else
-                                                 // empty
+    std::optional<ano::Duration> silent_for;         // since the last valid frame; std::nullopt: there was none
+    std::uint64_t skipped_since = 0;                 // bytes outside of any frame, since then
+    std::optional<ano::Duration> bytes_ago;          // since the last byte; std::nullopt: there was none
+    std::optional<ano::Duration> undelivered_for;    // how long frames to hosts have had no receiver; std::nullopt: they have one
+    std::string_view hosts_link;    // the link on which hosts were last received, if all such links are down; else
+                                    // empty
     SharedSource shared = SharedSource::none;
     std::uint8_t shared_address = 0;                   // of that source; 0: not known
     std::optional<std::uint8_t> not_sent;              // a frame from here that acts on this device was not sent

@@ -34,19 +34,19 @@ public:
     /// The number of questions of the sender.
     std::size_t places(ChannelId from) const noexcept;
     /// Removes the oldest question, sent by `now` - `early`, of a sender that has several. False: there is none.
-    bool give_up_one(ano::TimePoint now) noexcept;
-    /// When give_up_one() can remove one; std::nullopt: no sender has several.
+    bool expire_one(ano::TimePoint now) noexcept;
+    /// When expire_one() can remove one; std::nullopt: no sender has several.
     std::optional<ano::TimePoint> next_early() const noexcept;
     std::size_t size() const noexcept;
     /// When the oldest sent question is removed as unanswered; std::nullopt: none was sent.
-    std::optional<ano::TimePoint> next_given_up() const noexcept;
+    std::optional<ano::TimePoint> next_expiry() const noexcept;
 
     /// Called by the outbox for each frame: it waits there, was sent, or was dropped. Frames that are not questions are ignored.
     void queued(ano::FrameView frame, ChannelId from) noexcept;
     void left(ano::FrameView frame, ano::TimePoint now) noexcept;
     void dropped(ano::FrameView frame) noexcept;
     /// A frame was received on the channel. True: it answers a question; the oldest one that it answers is removed.
-    bool hear(ano::FrameView frame) noexcept;
+    bool receive(ano::FrameView frame) noexcept;
     /// Call when the channel is closed: no question will be answered.
     void clear() noexcept { slots_ = {}; }
 

@@ -92,7 +92,7 @@ public:
     /// The next probe, to be sent on the channel now. Valid until the next call.
     ano::FrameView ask(ChannelId channel, TimePoint now) noexcept;
     /// Processes a probe received on `from`. True: it is from another gateway and new, so it must be forwarded.
-    bool take(ano::FrameView probe, ChannelId from, TimePoint now) noexcept;
+    bool accept_probe(ano::FrameView probe, ChannelId from, TimePoint now) noexcept;
 
     /// The links of a loop: frames sent on `out` return on `back`. Both are the same if only its traffic has shown it.
     struct Loop {
@@ -143,7 +143,7 @@ private:
     bool comes_back(Sent& known, const Arrival& arrival, TimePoint now) noexcept;
     Judgement judge_copy(Sent& known, const Arrival& arrival, TimePoint now) noexcept;
     bool storms(Sent& known, ChannelId from, TimePoint now) noexcept;
-    bool goes_round(Sent& known, ChannelId from, TimePoint now) noexcept;
+    bool is_circulating(Sent& known, ChannelId from, TimePoint now) noexcept;
     void note(ChannelId channel, ChannelId out, ChannelId back, bool by_traffic, TimePoint now) noexcept;
     void answered(ChannelId out, std::uint32_t question, ChannelId back, TimePoint now) noexcept;
     bool is_known(const State& state, TimePoint now) const noexcept;

@@ -111,14 +111,14 @@ public:
     void close() noexcept;
 
     /// `in_flight` is called for each frame that is queued, sent or dropped, except by close(). It must outlive this.
-    void tell(InFlight* in_flight) noexcept { in_flight_ = in_flight; }
+    void set_in_flight(InFlight* in_flight) noexcept { in_flight_ = in_flight; }
     /// `watch` is called when a frame is sent or dropped, with `channel`; it must outlive this. nullptr: no call.
     void watch(OutboxWatch* watch, ChannelId channel) noexcept {
         watch_ = watch;
         watched_as_ = channel;
     }
     /// For a queue before this outbox: calls the watch for `frame`, which was dropped there.
-    void tell_dropped(ano::FrameView frame, SendCause cause) const noexcept {
+    void report_dropped(ano::FrameView frame, SendCause cause) const noexcept {
         if (watch_) [[unlikely]]
             watch_->dropped(watched_as_, frame, cause);
     }
@@ -149,7 +149,7 @@ private:
     SendCause store(ano::FrameView frame, QueuePolicy policy, ano::TimePoint stale_at, ChannelId from) noexcept;
     std::uint64_t supersede(std::uint32_t key, ChannelId from) noexcept;
     bool make_room(std::size_t size, TrafficClass traffic) noexcept;
-    std::size_t gives_way(std::size_t own, bool entitled) const noexcept;
+    std::size_t next_evicted(std::size_t own, bool entitled) const noexcept;
     bool entitled(const FairQueue& queue, std::size_t more) const noexcept;
     bool has_more(const FairQueue& queue) const noexcept;
     void compact() noexcept;
@@ -164,12 +164,12 @@ private:
         FairQueue* const queue = one_class ? &queues_[static_cast<std::size_t>(std::countr_zero(waiting_classes_))] : nullptr;
         return queue && queue->in_order() ? queue : nullptr;
     }
-    void note_taken(std::size_t traffic) noexcept {
+    void update_waiting_class(std::size_t traffic) noexcept {
         if (queues_[traffic].empty()) waiting_classes_ &= ~(1u << traffic);
     }
     Schedule plan(ano::TimePoint now) noexcept;
     void look_at(Schedule& plan, std::size_t traffic, ano::TimePoint now) noexcept;
-    Index take_first() noexcept;
+    Index pop_first_frame() noexcept;
     ano::FrameView view(Index i) const noexcept { return ano::FrameView{{arena_.get() + entries_[i].at, entries_[i].size}}; }
     FrameList& bucket(std::uint32_t key, ChannelId from) noexcept {
         return buckets_[(key ^ static_cast<std::uint32_t>(from) * 0x85EBCA6Bu) * 0x9E3779B1u >> 24];

@@ -44,7 +44,7 @@ public:
     SendCause push(ano::FrameView frame, QueuePolicy policy, ano::TimePoint now, ChannelId from,
                    ano::TimePoint arrived_at) noexcept;
     /// A frame was received on the channel. True: it was an answer, and a waiting question was passed to the outbox.
-    bool hear(ano::FrameView frame, ano::TimePoint now) noexcept;
+    bool receive(ano::FrameView frame, ano::TimePoint now) noexcept;
     /// Passes the questions that may be sent to the outbox and drops stale ones. True: some were passed.
     bool release(ano::TimePoint now) noexcept;
     /// When to call release(); std::nullopt: nothing waits.
@@ -68,7 +68,7 @@ private:
     FrameIndex oldest() const noexcept { return in_room_.first; }
     ano::TimePoint stale_at(FrameIndex i) const noexcept { return ano::TimePoint{frames_[i].stale_at}; }
     std::optional<ChannelId> next_sender() const noexcept;
-    bool somebody_has_none() const noexcept;
+    bool has_sender_without_question() const noexcept;
     bool is_waiting(ChannelId from) const noexcept { return turns_.first_of(from, 0) != no_frame; }
     void hand_over(FrameIndex i, ChannelId from) noexcept;
     void drop(FrameIndex i, SendCause cause) noexcept;

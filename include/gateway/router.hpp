@@ -25,7 +25,7 @@ struct Route {
     ChannelSet channels;
     LinkSet absent;
     Via via = Via::nobody;
-    bool new_conflict = false;    // Router::take_claimant() and take_new_conflict() return news
+    bool new_conflict = false;    // Router::pop_claimant() and pop_new_conflict() return news
     bool host_is_down = false;    // the destination is a host, received only on channels whose wire is disconnected
     /// The channels on which the frame may return, for the loop guard. Empty for a frame with only one receiver, unless its
     /// destination is a host.
@@ -36,7 +36,7 @@ struct Route {
 struct Conflict {
     std::uint8_t address = 0;
     LinkSet links;
-    bool claimed = false;    // Router::take_claimant() returns the claimant
+    bool claimed = false;    // Router::pop_claimant() returns the claimant
     TimePoint last{};
     std::uint64_t count = 0;    // how often it was detected: refused claims, and equal frames on two links
 };
@@ -145,8 +145,8 @@ public:
     };
     bool has_question(TimePoint now) const noexcept { return claims_.is_due(now); }
     /// The next question that is due; std::nullopt: none. If the holder answers none of them, the address moves.
-    std::optional<Question> take_question(TimePoint now);
-    /// When to call take_question(); std::nullopt: no test is in progress.
+    std::optional<Question> pop_question(TimePoint now);
+    /// When to call pop_question(); std::nullopt: no test is in progress.
     std::optional<TimePoint> next_question() const noexcept { return claims_.next(); }
 
     /// Records that the same source was received on `links`, which are not of one group, on one of them by `claimant`. route()
@@ -172,9 +172,9 @@ public:
         ChannelId channel{};
     };
     /// The next refused claim that was not returned yet. Call it before the channel can be closed.
-    bool take_claimant(Claimant& claimant);
+    bool pop_claimant(Claimant& claimant);
     /// The next conflict that began and was not returned yet; for the log.
-    bool take_new_conflict(Conflict& conflict);
+    bool pop_new_conflict(Conflict& conflict);
     /// A device that is at home on another link than before.
     struct Moved {
         std::uint8_t address = 0;
@@ -182,7 +182,7 @@ public:
         LinkId to{};
     };
     /// The next move that was not returned yet; for the log.
-    std::optional<Moved> take_move() noexcept;
+    std::optional<Moved> pop_move() noexcept;
     /// The links where the address was at home before it moved, until it returns.
     LinkSet moved_from(std::uint8_t address) const { return moved_from_[address]; }
     std::uint64_t own_frames() const { return own_frames_; }
@@ -202,8 +202,8 @@ private:
     void to_pinned(Route& route, std::uint8_t destination) const;
     void settle();
     void forget_conflict(std::uint8_t address);
-    /// Removes the first address from `untold`, which is new_conflicts_ or new_claimants_, and returns it.
-    std::optional<std::uint8_t> tell_first(std::bitset<256>& untold);
+    /// Removes the first address from `unreported`, which is new_conflicts_ or new_claimants_, and returns it.
+    std::optional<std::uint8_t> pop_first(std::bitset<256>& unreported);
     void move(std::uint8_t source, ChannelId to);
     void note_move(std::uint8_t source, ChannelId to) noexcept;
     void come_back(std::uint8_t source, ChannelId from, TimePoint now);
@@ -290,7 +290,7 @@ private:
     std::bitset<256> new_conflicts_;
     std::array<ChannelId, 256> claimants_{};
     std::bitset<256> new_claimants_;
-    bool untold_ = false;    // new_conflicts_ or new_claimants_ is not empty
+    bool has_unreported_ = false;    // new_conflicts_ or new_claimants_ is not empty
     std::uint64_t own_frames_ = 0;
 };
 

@@ -28,7 +28,7 @@ public:
             if (!std::exchange(sample.met, true)) count(sample.met_before, sample.missed);
             return sample.link;
         }
-        take(sample, link, key, now);
+        set_sample(sample, link, key, now);
         return std::nullopt;
     }
     /// The link is removed: its sources are sampled from the beginning.
@@ -59,7 +59,7 @@ private:
 
     // A frame that the slower of two links receives will not arrive on the other one any more. So samples are taken from both in
     // turn. A repeated frame, as from a sensor at rest, shows nothing and is not sampled.
-    static void take(Sample& sample, LinkId link, std::uint64_t key, ano::TimePoint now) noexcept {
+    static void set_sample(Sample& sample, LinkId link, std::uint64_t key, ano::TimePoint now) noexcept {
         const bool others_turn = sample.elsewhere && link == sample.link && now < sample.at + 2 * window;
         if (others_turn || key == sample.key) return;
         if (sample.elsewhere && !sample.met) count(sample.missed, sample.met_before);

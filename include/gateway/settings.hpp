@@ -124,8 +124,8 @@ struct LinkSettings {
     std::optional<ValueType7> stated_type_7() const noexcept {
         return !value_type_7 && profile == Profile::vendor ? std::optional{ValueType7::u64} : value_type_7;
     }
-    bool takes_floods() const noexcept { return flood.value_or(profile != Profile::old); }
-    bool takes_broadcasts() const noexcept { return broadcast.value_or(profile != Profile::old); }
+    bool accepts_floods() const noexcept { return flood.value_or(profile != Profile::old); }
+    bool accepts_broadcasts() const noexcept { return broadcast.value_or(profile != Profile::old); }
     ValueType7 meaning_of_type_7() const noexcept { return stated_type_7().value_or(ValueType7::f32); }
     TextEncoding text_encoding() const noexcept {
         return encoding.value_or(profile == Profile::vendor ? TextEncoding::gbk : TextEncoding::utf8);

@@ -70,7 +70,7 @@ public:
     static constexpr std::size_t max_swings = 3, max_turning = 1;
 
     /// Takes one sample, not calibrated: cm/s² and °/s (0x01).
-    void take(const Vector& acceleration, const Vector& rotation) noexcept;
+    void add(const Vector& acceleration, const Vector& rotation) noexcept;
 
     /// How much the device moves: a value up to 1 counts as still; std::nullopt before the window is full.
     std::optional<double> unrest() const noexcept { return unrest_; }

@@ -11,14 +11,14 @@
 
 namespace ano::host {
 
-enum class Deed : std::uint8_t {
+enum class Operation : std::uint8_t {
     read,
     write,    // parameters, waypoints, commands, save
     ground    // upgrade, calibration, restore_defaults: never in the air
 };
 
 /// The router's data about the address.
-struct Whereabouts {
+struct RouteInfo {
     bool is_known = false;               // a frame from it was received, so that a frame to it is not flooded
     bool in_conflict = false;            // two devices use it
     bool on_several_channels = false;    // channels that are not of one group
@@ -42,10 +42,10 @@ public:
     /// A host counts as writing to a device for this long after its last write.
     static constexpr Duration writes_for = std::chrono::seconds{2};
 
-    void hear(FrameView frame, TimePoint now) noexcept;
+    void receive(FrameView frame, TimePoint now) noexcept;
 
-    /// The reason why `deed` is not allowed on `address`; std::nullopt: it is allowed. `force` only overrides `in_the_air`.
-    std::optional<Refusal> refusal(Deed deed, std::uint8_t address, Whereabouts where, bool force = false) const noexcept;
+    /// The reason why `operation` is not allowed on `address`; std::nullopt: it is allowed. `force` only overrides `in_the_air`.
+    std::optional<Refusal> refusal(Operation operation, std::uint8_t address, RouteInfo where, bool force = false) const noexcept;
 
     /// By its last 0x06, however old: a device that stopped sending in the air may still be flying.
     bool is_in_the_air(std::uint8_t address) const noexcept { return devices_[address].in_the_air; }

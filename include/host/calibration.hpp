@@ -50,7 +50,7 @@ public:
 
 private:
     void applied(TimePoint now);
-    void told(TimePoint now);
+    void on_use_ended(TimePoint now);
     void read_back(TimePoint now);
 
     CalibrationValues values_;
@@ -109,7 +109,7 @@ public:
     /// empty: it is allowed.
     void ask_before_writing(std::function<std::string()> refusal) { refusal_ = std::move(refusal); }
     /// To be called with every frame from the device's side, in addition to Device::take().
-    void hear(FrameView frame, TimePoint now);
+    void receive(FrameView frame, TimePoint now);
     /// When look() must be called, because a time-out ends; std::nullopt: not in this step.
     std::optional<TimePoint> due() const noexcept;
     void look(TimePoint now);
@@ -162,8 +162,8 @@ private:
     void read_values(void (Calibration::*then)(TimePoint), TimePoint now);
     bool is_restarted(TimePoint now);
     void restarted(std::string sign, TimePoint now);
-    void take_inertial(const Vector& acceleration, const Vector& rotation, TimePoint now);
-    void take_field(const Vector& field, TimePoint now);
+    void add_inertial(const Vector& acceleration, const Vector& rotation, TimePoint now);
+    void add_field(const Vector& field, TimePoint now);
     bool is_gone_on(TimePoint now);
     std::optional<std::pair<Vector, Vector>> mean_with(const Vector& acceleration, const Vector& rotation,
                                                        TimePoint now) noexcept;

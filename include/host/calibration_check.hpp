@@ -28,7 +28,7 @@ public:
     AccelerometerCheck(Face face, double promised, Measure measure) noexcept
         : face_{face}, promised_{promised}, measure_{measure} {}
 
-    void take(const Vector& acceleration, const Vector& rotation) noexcept;
+    void add(const Vector& acceleration, const Vector& rotation) noexcept;
     /// cm/s², of the last group; std::nullopt before the first.
     std::optional<double> error() const noexcept { return error_; }
     bool is_passed() const noexcept { return error_ && *error_ <= limit(promised_) + noise_; }
@@ -58,7 +58,7 @@ public:
     /// `strength` and `promised`: of the fit, see CompassSphere::strength() and CompassSphere::fit().
     CompassCheck(double strength, double promised) noexcept : strength_{strength}, promised_{promised} {}
 
-    void take(const Vector& field) noexcept;
+    void add(const Vector& field) noexcept;
     /// As a share of the field.
     std::optional<double> error() const noexcept { return error_; }
     bool is_passed() const noexcept { return error_ && *error_ <= limit(promised_); }

@@ -37,7 +37,7 @@ std::optional<CommandInfo> command_info_in(FrameView frame);
 CommandInfo with_type_7(CommandInfo info, ValueType7 seven);
 
 /// The meaning of value type 7 in the types of this command; std::nullopt: it has no such value, or the meaning is unknown.
-std::optional<ValueType7> shown_type_7(const CommandInfo& info) noexcept;
+std::optional<ValueType7> reported_type_7(const CommandInfo& info) noexcept;
 
 /// nullptr: no command has this name, or several have it.
 const CommandInfo* find_command(std::span<const CommandInfo> all, std::string_view name) noexcept;

@@ -32,7 +32,7 @@ public:
     static constexpr std::size_t min_samples = 200;
     static constexpr double max_residual = 0.15;    // as a share of the field; a larger one means magnetic disturbance
 
-    void take(const Vector& raw);
+    void add(const Vector& raw);
 
     /// The cells that have samples. Until the centre is known, the middle of all samples is used.
     const std::bitset<cells>& map() const noexcept { return covered_; }

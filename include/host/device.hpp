@@ -59,7 +59,7 @@ public:
     /// The same for Outcome::another or unidentified.
     virtual void not_meant(const Ended& ended, TimePoint now) { this->ended(ended, now); }
     /// A frame was received that has the form of the answer to a request, but does not fit. The request may stay open.
-    virtual void came_unfit(FrameView /*frame*/) {}
+    virtual void on_unfit_answer(FrameView /*frame*/) {}
 
     /// The requests of this asker are not started while requests of askers that do not yield are open.
     bool yields() const noexcept { return yields_; }
@@ -259,7 +259,7 @@ private:
     bool may_reach_another(const Exchange& exchange) const noexcept;
     void go_unidentified(Exchange& exchange, const Ended& unanswered, TimePoint now);
     void end_as(Exchange& exchange, Outcome outcome, std::optional<Evidence> evidence, TimePoint now);
-    void hear(FrameView frame, TimePoint now);
+    void receive(FrameView frame, TimePoint now);
     void note_telemetry(FrameView frame, TimePoint now) noexcept;
     bool answers_for_info(const DeviceInfo& info, TimePoint now);
     Taken past(FrameView frame) noexcept;

@@ -76,7 +76,7 @@ public:
     }
     void cancel(TimePoint now) override;
     void ended(const Ended& ended, TimePoint now) override;
-    void came_unfit(FrameView frame) override;
+    void on_unfit_answer(FrameView frame) override;
     void not_meant(const Ended& ended, TimePoint now) override;
 
     /// The last frame in this step that is not an answer, as a clause; empty: none.
@@ -127,7 +127,7 @@ private:
     std::string silence(const Evidence& evidence) const;
     std::size_t shorter_len() const noexcept;
     void note(const std::string& clause) { remark_ += (remark_.empty() ? "" : "; ") + clause; }
-    void give_up(Ending ending, const std::string& what, const Evidence& evidence, TimePoint now);
+    void abandon(Ending ending, const std::string& what, const Evidence& evidence, TimePoint now);
     std::size_t frames_of(std::size_t len) const noexcept { return (image_.bytes.size() + len - 1) / len; }
     std::size_t frames() const noexcept { return frames_of(options_.frame_len); }
 

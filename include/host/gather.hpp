@@ -56,7 +56,7 @@ private:
     void ask_more(TimePoint now);
     void question_ended(const Ended& ended, TimePoint now);
     void without_answer(std::uint32_t i, const Ended& ended, TimePoint now);
-    void take_back();
+    void requeue_in_flight();
     void stop_at(std::uint32_t i);
 
     std::size_t total_ = 0;

@@ -80,9 +80,9 @@ private:
     Found found(std::size_t row) const;
     bool is_same(const AnyValue& wanted, const AnyValue& has, const ParameterInfo& info) const;
     std::string fault_of(const Row& row, const Found& found) const;
-    End failure(const char* deed) const;
+    End failure(const char* operation) const;
     bool is_restarted() const noexcept;
-    std::string words_of_restart() const;
+    std::string format_restart() const;
     void next(TimePoint now);
     void row_ended(TimePoint now);
     void fail(const End& end, TimePoint now);

@@ -51,7 +51,7 @@ std::optional<ParameterInfo> parameter_info_in(FrameView frame);
 std::optional<AnyValue> value_of(Bytes bytes, const ParameterInfo& info);
 /// A scaled value must be a multiple of 1 / mul, within a thousandth of that.
 Misfit append(std::vector<std::uint8_t>& out, const AnyValue& value, const ParameterInfo& info);
-std::string words_of_misfit(Misfit misfit, const ParameterInfo& info);
+std::string format_misfit(Misfit misfit, const ParameterInfo& info);
 bool same_bytes(const AnyValue& a, const AnyValue& b, const ParameterInfo& info);
 /// The nearest number that append() accepts, for a number within the range; other values are returned unchanged.
 AnyValue nearest_value(const AnyValue& value, const ParameterInfo& info);

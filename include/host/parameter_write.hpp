@@ -86,7 +86,7 @@ private:
     void took(const Ended& ended, TimePoint now);
     void read_along(const Ended& ended, TimePoint now);
     void both_ended(TimePoint now);
-    void not_given_back(const Ended& ended, TimePoint now);
+    void finish_not_returned(const Ended& ended, TimePoint now);
     void compare(TimePoint now);
     bool same(const Wire& a, const Wire& b) const;
     std::optional<AnyValue> decoded(const Wire& bytes) const;

@@ -98,11 +98,11 @@ private:
     bool has_changed() const;
     std::optional<std::uint16_t> first_lacking() const;
     void settle_layout();
-    bool took_description(std::uint16_t id, FrameView answer);
+    bool accept_description(std::uint16_t id, FrameView answer);
     bool compared(std::uint16_t id, FrameView answer);
     bool recall();
     void read_again(TimePoint now);
-    bool took_value(std::uint16_t id, FrameView answer);
+    bool accept_value(std::uint16_t id, FrameView answer);
     void ask_named(TimePoint now);
 
     // If all values are wanted, descriptions and values are read alternately, so that the first parameters are complete early.

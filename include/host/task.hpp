@@ -73,7 +73,7 @@ public:
     /// Ends the task; the end states what is half done. A task that must restore something first ends after that.
     virtual void cancel(TimePoint now);
     /// Called last when it ends. The task may not be destroyed in the call.
-    void on_end(std::function<void(TimePoint)> told) { told_ = std::move(told); }
+    void on_end(std::function<void(TimePoint)> callback) { on_end_ = std::move(callback); }
 
 protected:
     Device& device() noexcept { return device_; }
@@ -88,7 +88,7 @@ protected:
     bool finds_another() const noexcept { return identity_ != device_.identity(); }
     /// To be called before finish(), where a part of the task found another device.
     void be_of_another() noexcept { is_of_another_ = true; }
-    std::string words_of_another() const { return hex_of(device_.address()) + " became another device in the meantime"; }
+    std::string format_another_device() const { return hex_of(device_.address()) + " became another device in the meantime"; }
     /// Ends because another device has the address. `may_be_done`: the order that the previous device may have carried out, as a
     /// noun, and `left`: its state, as a clause; empty: nothing to report.
     void finish_another(std::string_view may_be_done, TimePoint now, std::string_view left = {});
@@ -97,7 +97,7 @@ protected:
     /// A clause that follows the reason for giving up: the state in which the device is left.
     virtual std::string_view half_done() const noexcept { return {}; }
     /// To be called before a request. True if it has taken longer than max_duration(): the task has ended.
-    bool gives_up(TimePoint now);
+    bool is_overdue(TimePoint now);
     /// Ends the task, unless it has ended; its requests are discarded.
     void finish(End end, TimePoint now);
     /// Ends without an answer to the question for `step`. `likely` is the probable reason if other frames of the device are
@@ -106,7 +106,7 @@ protected:
     /// The same for an order, which was not acknowledged.
     void finish_unacknowledged(std::string_view order, const Evidence& evidence, TimePoint now, std::string_view likely);
     /// If a port id acknowledged an order instead of the device: a clause about it; empty: the device acknowledged it.
-    static std::string words_of_port(const Evidence& evidence);
+    static std::string format_port_answer(const Evidence& evidence);
     /// Ends in the same way as `other`.
     void finish_as(const Task& other, TimePoint now);
 
@@ -119,7 +119,7 @@ private:
     bool is_meant_ = false, is_of_another_ = false, means_present_device_ = false;
     std::optional<TimePoint> begun_at_;
     std::optional<End> end_;
-    std::function<void(TimePoint)> told_;
+    std::function<void(TimePoint)> on_end_;
 };
 
 }    // namespace ano::host

@@ -23,7 +23,7 @@ using Misfit = std::string_view;
 Misfit append(std::vector<std::uint8_t>& out, const AnyValue& value, Type type);
 
 /// `misfit` as text, with the range of a number type: "is out of range, u8 is 0 to 255".
-std::string words_of_misfit(Misfit misfit, Type type);
+std::string format_misfit(Misfit misfit, Type type);
 
 /// The value in `bytes`; std::nullopt if there are too few. append() restores the same bytes, even for a NaN. Text ends at its
 /// first NUL.
@@ -33,6 +33,6 @@ std::optional<AnyValue> value_of(Bytes bytes, Type type);
 bool same_bytes(const AnyValue& a, const AnyValue& b, Type type);
 
 /// For people: 4, -0.25, "text".
-std::string words_of(const AnyValue& value);
+std::string to_string(const AnyValue& value);
 
 }    // namespace ano::host

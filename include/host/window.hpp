@@ -42,8 +42,8 @@ public:
         } else if (size_ < max_size) ++size_;
     }
     /// The answer to a send that counted as lost arrived: its time-out was too short.
-    void came_late() noexcept {
-        if (++late_ >= late_enough && (one_at_a_time_ || checks_)) take_back();
+    void on_late_answer() noexcept {
+        if (++late_ >= late_enough && (one_at_a_time_ || checks_)) reset_trial();
         losses_ = static_cast<std::uint16_t>(losses_ & (losses_ - 1));    // without the newest one
     }
     void lost(bool alone, bool round_trips_grow) noexcept {
@@ -93,10 +93,10 @@ private:
     }
     // Allows another trial at once: the mode was right until the check.
     void pass_check() noexcept {
-        take_back();
+        reset_trial();
         next_trial_ = sends_;
     }
-    void take_back() noexcept {
+    void reset_trial() noexcept {
         end_trial();
         checks_ = false;
         size_ = 2;

@@ -145,7 +145,7 @@ std::vector<const FlexibleLayout*> FlexibleLayouts::layouts_for(std::uint8_t id,
     return found;
 }
 
-std::string_view text_of(Fault fault) noexcept {
+std::string_view to_string(Fault fault) noexcept {
     switch (fault) {
     case Fault::none: return "fine";
     case Fault::id: return "a flexible message has an id from 0xF1 to 0xFA";

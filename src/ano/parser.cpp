@@ -111,7 +111,7 @@ std::optional<FrameView> FrameParser::next() noexcept {
     while (at < end_) {
         const bool no_rest = at < barrier_;
         verdict = judge(at, no_rest ? barrier_ : end_);
-        if (verdict == Verdict::good || (verdict == Verdict::incomplete && !no_rest && !gives_way(at))) break;
+        if (verdict == Verdict::good || (verdict == Verdict::incomplete && !no_rest && !yields(at))) break;
         ++(verdict == Verdict::bad        ? counters_.bad_check
            : verdict == Verdict::too_long ? counters_.bad_length
                                           : counters_.expired);
@@ -281,7 +281,7 @@ bool FrameParser::checks_hold(std::size_t at, std::size_t length) noexcept {
 // Whether an incomplete candidate is refused before its rest arrives: it is not credible by the received frames, and two
 // consecutive valid frames follow its first byte. In a flood of headers it is not refused, because the search would cost more
 // than the frames it finds are worth.
-[[gnu::noinline]] bool FrameParser::gives_way(std::size_t at) noexcept {
+[[gnu::noinline]] bool FrameParser::yields(std::size_t at) noexcept {
     if (end_ - at <= overhead || counters_.frames_in == 0 || !pairs_.can_look()) return false;
     if (heard_.makes_credible(buffer_.get() + at)) return false;
     sum_up_from(at);

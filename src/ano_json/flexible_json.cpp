@@ -35,7 +35,7 @@ public:
         spec.endian = endian_at(given, pointer);
         if (given.contains("when")) {
             spec.when = whole<std::uint32_t>(given["when"]);
-            if (!spec.when) fault(pointer + "/when", std::string{text_of(FlexibleLayouts::Fault::when)});
+            if (!spec.when) fault(pointer + "/when", std::string{to_string(FlexibleLayouts::Fault::when)});
         }
         spec.fields = fields_at(given, pointer);
         if (faults_.size() != faults_before || !id) return;
@@ -46,7 +46,7 @@ public:
             const std::string where = at_field                ? "/fields/" + std::to_string(refusal.field)
                                       : refusal.fault == when ? "/when"
                                                               : "";
-            fault(pointer + where, std::string{text_of(refusal.fault)});
+            fault(pointer + where, std::string{to_string(refusal.fault)});
         } else {
             specs_.push_back(std::move(spec));
         }
@@ -93,7 +93,7 @@ private:
         auto id = whole<std::uint8_t>(value);
         if (!id && value.is_string())
             if (const Message* message = find_message(value.get_ref<const std::string&>())) id = message->id;
-        if (!id || !is_flexible(*id)) fault(pointer + "/id", std::string{text_of(FlexibleLayouts::Fault::id)});
+        if (!id || !is_flexible(*id)) fault(pointer + "/id", std::string{to_string(FlexibleLayouts::Fault::id)});
         return id;
     }
 
@@ -136,7 +136,7 @@ private:
         if (given.contains("count")) {
             const auto count = whole<std::uint16_t>(given["count"]);
             if (count) field.count = *count;
-            else fault(pointer + "/count", std::string{text_of(FlexibleLayouts::Fault::count)});
+            else fault(pointer + "/count", std::string{to_string(FlexibleLayouts::Fault::count)});
         }
         if (given.contains("scale")) {
             if (given["scale"].is_number()) field.scale = given["scale"].get<double>();
@@ -150,7 +150,7 @@ private:
             // flexible frames is refused by FlexibleLayouts.
             if (it == type_names.end())
                 fault(pointer + "/type", "unknown type " + in_quotes(word) + did_you_mean(word, type_names) + "; " +
-                                             std::string{text_of(FlexibleLayouts::Fault::type)});
+                                             std::string{to_string(FlexibleLayouts::Fault::type)});
             else field.type = static_cast<Type>(std::distance(type_names.begin(), it));
         }
         return field;

@@ -23,7 +23,7 @@ constexpr unsigned first_predefined = 200;    // addresses from here on have a p
 // Thrown only inside this file.
 [[noreturn]] void fail(std::string pointer, std::string what) { throw JsonFault{std::move(pointer), std::move(what)}; }
 
-std::string shown(const Json& json) {
+std::string format_json(const Json& json) {
     std::string text = json.is_string() ? in_quotes(json.get_ref<const std::string&>())
                                         : json.dump(-1, ' ', true, Json::error_handler_t::replace);
     if (text.size() > 60) text = text.substr(0, 57) + "...";
@@ -63,7 +63,7 @@ std::uint8_t byte_at(const Json& object, const char* key, std::uint8_t otherwise
     if (it == object.end()) return otherwise;
     const auto value = whole_number(*it);
     if (!value || *value > 255)
-        fail(pointer_step(key), std::string{key} + ": " + shown(*it) + " is not a number from 0 to 255" +
+        fail(pointer_step(key), std::string{key} + ": " + format_json(*it) + " is not a number from 0 to 255" +
                                     (it->is_string() ? did_you_mean_hex(it->get_ref<const std::string&>()) : ""));
     return static_cast<std::uint8_t>(*value);
 }
@@ -87,7 +87,7 @@ std::optional<Number> number_for(const Field& f, const Json& json, ValueType7 se
 
 /// "'rde' is not a number, nor default, red, green, blue (did you mean 'red'?)"
 std::string no_number(const Json& json, const std::vector<std::string_view>& words, bool is_code) {
-    std::string text = shown(json) + " is not a number";
+    std::string text = format_json(json) + " is not a number";
     if (!json.is_string()) return text;
     const std::string& given = json.get_ref<const std::string&>();
     for (const std::string_view word : words) text.append(word == words.front() ? ", nor " : ", ").append(word);
@@ -97,7 +97,7 @@ std::string no_number(const Json& json, const std::vector<std::string_view>& wor
 Data hex_at(const Json& json, const std::string& pointer, std::string_view name) {
     if (json.is_string())
         if (auto bytes = from_hex(json.get_ref<const std::string&>())) return std::move(*bytes);
-    fail(pointer, std::string{name} + ": " + shown(json) + " is not hex digits in pairs");
+    fail(pointer, std::string{name} + ": " + format_json(json) + " is not hex digits in pairs");
 }
 
 Data encode_frame(const Json& json, const JsonOptions& options, bool inside_a_tunnel, const std::string& pointer);
@@ -111,9 +111,9 @@ public:
     Data encode(std::span<const Field> fields, std::span<const Field> element, std::size_t size, const Json& given) {
         data_.assign(size, 0);
         for (const Field& f : fields) {
-            if (f.selects) put_number(f, Json(f.selects->first), data_.data() + f.offset, pointer_step(f.name));
+            if (f.selects) store_number_at(f, Json(f.selects->first), data_.data() + f.offset, pointer_step(f.name));
             const auto it = given.find(std::string{f.name});
-            if (f.role == Role::value) put_value(f, it == given.end() ? Json("") : *it, given);
+            if (f.role == Role::value) store_value(f, it == given.end() ? Json("") : *it, given);
             else if (it != given.end()) put(f, element, *it);
             if (f.type != Type::frames) continue;
             if (const auto rest = given.find("data"); rest != given.end()) append(hex_at(*rest, pointer_step("data"), "data"));
@@ -125,40 +125,40 @@ private:
     void put(const Field& f, std::span<const Field> element, const Json& json) {
         const std::string pointer = pointer_step(f.name);
         switch (f.type) {
-        case Type::text: return put_bytes(f, text(f, json), json);
-        case Type::bytes: return put_bytes(f, bytes(f, json).bytes, json);
-        case Type::ip: return put_address(f, json);
-        case Type::list: return put_elements(f, element, json);
-        case Type::frames: return put_frames(f, json);
+        case Type::text: return store_bytes(f, text(f, json), json);
+        case Type::bytes: return store_bytes(f, bytes(f, json).bytes, json);
+        case Type::ip: return store_address(f, json);
+        case Type::list: return store_elements(f, element, json);
+        case Type::frames: return store_frames(f, json);
         default: break;
         }
-        if (f.count == 1) return put_number(f, json, data_.data() + f.offset, pointer);
+        if (f.count == 1) return store_number_at(f, json, data_.data() + f.offset, pointer);
         if (!json.is_array() || json.size() > f.count)
-            fail(pointer, label(f) + shown(json) + " is not an array of " + std::to_string(f.count) + " numbers at most");
+            fail(pointer, label(f) + format_json(json) + " is not an array of " + std::to_string(f.count) + " numbers at most");
         for (std::size_t i = 0; i < json.size(); ++i)
-            put_number(f, json[i], data_.data() + f.offset + i * width(f.type), pointer + pointer_step(std::to_string(i)));
+            store_number_at(f, json[i], data_.data() + f.offset + i * width(f.type), pointer + pointer_step(std::to_string(i)));
     }
 
-    void put_number(const Field& f, const Json& json, std::uint8_t* at, const std::string& pointer) const {
+    void store_number_at(const Field& f, const Json& json, std::uint8_t* at, const std::string& pointer) const {
         if (json.is_null()) {
             if (!store_no_data(f, at)) fail(pointer, label(f) + "it has no value that says \"no data\"");
             return;
         }
         const auto number = number_for(f, json, options_.value_type_7);
-        if (!number) fail(pointer, label(f) + no_number(json, words_of(f, options_.value_type_7), f.role == Role::code));
+        if (!number) fail(pointer, label(f) + no_number(json, words_for(f, options_.value_type_7), f.role == Role::code));
         switch (store_number(f, *number, at)) {
         case Stored::ok: return;
-        case Stored::not_whole: fail(pointer, label(f) + shown(json) + " is not a whole number (" + carried(f) + ")");
-        case Stored::out_of_range: fail(pointer, label(f) + shown(json) + " is out of range (" + carried(f) + ")");
+        case Stored::not_whole: fail(pointer, label(f) + format_json(json) + " is not a whole number (" + carried(f) + ")");
+        case Stored::out_of_range: fail(pointer, label(f) + format_json(json) + " is out of range (" + carried(f) + ")");
         }
     }
 
     Data text(const Field& f, const Json& json) const {
-        if (!json.is_string()) fail(pointer_step(f.name), label(f) + shown(json) + " is not text");
+        if (!json.is_string()) fail(pointer_step(f.name), label(f) + format_json(json) + " is not text");
         const auto encoded = from_utf8(json.get_ref<const std::string&>(), options_.encoding);
         if (!encoded) {
             const char* name = options_.encoding == Encoding::gbk ? "GBK" : "UTF-8";
-            fail(pointer_step(f.name), label(f) + shown(json) + " can't be written in " + name);
+            fail(pointer_step(f.name), label(f) + format_json(json) + " can't be written in " + name);
         }
         if (encoded->find('\0') != std::string::npos) fail(pointer_step(f.name), label(f) + "text can't hold a NUL");
         return {encoded->begin(), encoded->end()};
@@ -171,7 +171,7 @@ private:
         if (!json.is_string() || !is_typed(json.get_ref<const std::string&>())) {
             if (json.is_string())
                 if (auto bytes = from_hex(json.get_ref<const std::string&>())) return {std::move(*bytes), {}};
-            fail(pointer_step(f.name), label(f) + shown(json) + " is neither hex digits in pairs nor typed, as f32:1.5 is");
+            fail(pointer_step(f.name), label(f) + format_json(json) + " is neither hex digits in pairs nor typed, as f32:1.5 is");
         }
         auto values = typed_values(json.get_ref<const std::string&>(), f.role, options_.encoding);
         if (const auto* wrong = std::get_if<std::string>(&values)) fail(pointer_step(f.name), label(f) + *wrong);
@@ -179,29 +179,29 @@ private:
     }
 
     // The value of a parameter: not shorter than its type, if the type is known.
-    void put_value(const Field& f, const Json& json, const Json& given) {
+    void store_value(const Field& f, const Json& json, const Json& given) {
         const TypedValues value = bytes(f, json);
         std::optional<Type> type;
         if (!value.types.empty()) type = value.types.front();
         if (const auto it = given.find("par_type"); it != given.end()) {
-            const auto told = type_told(*it);
-            if (type && told && *type != *told)
-                fail(pointer_step(f.name), label(f) + shown(json) + " is not what par_type says: " + shown(*it));
-            if (!type) type = told;
+            const auto given_type_name = given_type(*it);
+            if (type && given_type_name && *type != *given_type_name)
+                fail(pointer_step(f.name), label(f) + format_json(json) + " is not what par_type says: " + format_json(*it));
+            if (!type) type = given_type_name;
         }
         if (!is_whole_value(value.bytes.size(), type)) fail_as_short(f, json, value.bytes.size(), type);
-        put_bytes(f, value.bytes, json);
+        store_bytes(f, value.bytes, json);
     }
-    std::optional<Type> type_told(const Json& json) const {
+    std::optional<Type> given_type(const Json& json) const {
         const Field& f = *find_message("parameter_info")->field("par_type");
         std::uint8_t par_type = 0;
-        put_number(f, json, &par_type, pointer_step(f.name));
+        store_number_at(f, json, &par_type, pointer_step(f.name));
         return parameter_type(par_type);
     }
     [[noreturn]] void fail_as_short(const Field& f, const Json& json, std::size_t size, std::optional<Type> type) const {
         std::string what = "it is empty";
         if (size > 0) {
-            what = shown(json) + " is " + std::to_string(size) + (size == 1 ? " byte, " : " bytes, ");
+            what = format_json(json) + " is " + std::to_string(size) + (size == 1 ? " byte, " : " bytes, ");
             what += type ? std::string{name_of(*type)} + " has " + std::to_string(width(*type)) : "as no number is";
         }
         fail(pointer_step(f.name), label(f) + what +
@@ -209,16 +209,18 @@ private:
                                        "such as f32:1.5 or string:abc");
     }
 
-    void put_bytes(const Field& f, const Data& bytes, const Json& json) {
+    void store_bytes(const Field& f, const Data& bytes, const Json& json) {
         if (f.is_open()) return append(bytes);
         if (bytes.size() > f.size())
-            fail(pointer_step(f.name),
-                 label(f) + shown(json) + " is " + std::to_string(bytes.size()) + " bytes, it holds " + std::to_string(f.size()));
+            fail(pointer_step(f.name), label(f) + format_json(json) + " is " + std::to_string(bytes.size()) +
+                                           " bytes, it holds " + std::to_string(f.size()));
         std::copy(bytes.begin(), bytes.end(), data_.begin() + f.offset);
     }
 
-    void put_address(const Field& f, const Json& json) {
-        const auto wrong = [&] { fail(pointer_step(f.name), label(f) + shown(json) + " is not an address like 192.168.0.1"); };
+    void store_address(const Field& f, const Json& json) {
+        const auto wrong = [&] {
+            fail(pointer_step(f.name), label(f) + format_json(json) + " is not an address like 192.168.0.1");
+        };
         if (!json.is_string()) wrong();
         std::string_view rest = json.get_ref<const std::string&>();
         for (std::size_t i = 0; i < 4; ++i) {
@@ -232,12 +234,12 @@ private:
         }
     }
 
-    void put_elements(const Field& list, std::span<const Field> element, const Json& json) {
+    void store_elements(const Field& list, std::span<const Field> element, const Json& json) {
         const std::string pointer = pointer_step(list.name);
-        if (!json.is_array()) fail(pointer, label(list) + shown(json) + " is not an array");
+        if (!json.is_array()) fail(pointer, label(list) + format_json(json) + " is not an array");
         for (std::size_t i = 0; i < json.size(); ++i) {
             const std::string here = pointer + pointer_step(std::to_string(i));
-            if (!json[i].is_object()) fail(here, label(list) + shown(json[i]) + " is not an object");
+            if (!json[i].is_object()) fail(here, label(list) + format_json(json[i]) + " is not an object");
             std::vector<std::string_view> names;
             for (const Field& f : element) names.push_back(f.name);
             for (const auto& [key, value] : json[i].items())
@@ -247,13 +249,13 @@ private:
             data_.resize(at + element.back().offset + element.back().size());
             for (const Field& f : element)
                 if (const auto it = json[i].find(std::string{f.name}); it != json[i].end())
-                    put_number(f, *it, data_.data() + at + f.offset, here + pointer_step(f.name));
+                    store_number_at(f, *it, data_.data() + at + f.offset, here + pointer_step(f.name));
         }
     }
 
-    void put_frames(const Field& f, const Json& json) {
+    void store_frames(const Field& f, const Json& json) {
         if (json.is_string()) return append(hex_at(json, pointer_step(f.name), f.name));
-        if (!json.is_array()) fail(pointer_step(f.name), label(f) + shown(json) + " is not an array of frames");
+        if (!json.is_array()) fail(pointer_step(f.name), label(f) + format_json(json) + " is not an array of frames");
         if (inside_a_tunnel_) fail(pointer_step(f.name), label(f) + "a tunnel frame inside a tunnel frame is given as its data");
         for (std::size_t i = 0; i < json.size(); ++i)
             append(encode_frame(json[i], options_, true, pointer_step(f.name) + pointer_step(std::to_string(i))));
@@ -307,7 +309,7 @@ void fail_for_word(std::span<const Message> layouts, const Json& given, ValueTyp
             is_number_field = true;
             is_code = is_code || f->role == Role::code;
             is_known = is_known || !value.is_string() || number_for(*f, value, seven);
-            for (const std::string_view word : words_of(*f, seven))
+            for (const std::string_view word : words_for(*f, seven))
                 if (std::find(words.begin(), words.end(), word) == words.end()) words.push_back(word);
         }
         if (is_number_field && !is_known)
@@ -329,7 +331,7 @@ void fail_for_word(std::span<const Message> layouts, const Json& given, ValueTyp
             const auto it = given.find(std::string{f.name});
             if (!f.selects || it == given.end() || !has_all(names_in(row.fields()), given)) continue;
             if (!knows_words(row, given, seven)) continue;
-            modes += modes.empty() ? std::string{f.name} + ": " + shown(*it) + " is none of " : ", ";
+            modes += modes.empty() ? std::string{f.name} + ": " + format_json(*it) + " is none of " : ", ";
             modes += std::to_string(f.selects->first);
             if (f.selects->last != f.selects->first) modes += " to " + std::to_string(f.selects->last);
         }
@@ -365,7 +367,7 @@ std::vector<const FlexibleLayout*> selected_by(std::uint8_t id, std::uint8_t sou
 Data encode_fields(std::uint8_t id, std::uint8_t source, const Json& given, const JsonOptions& options, bool inside_a_tunnel) {
     const auto layouts = layouts_of(id);
     if (layouts.empty()) fail("", "id " + hex_byte(id) + " is not listed: only its data can be given");
-    if (!given.is_object()) fail("", shown(given) + " is not an object of fields");
+    if (!given.is_object()) fail("", format_json(given) + " is not an object of fields");
     FieldReader reader{layouts.front().name, options, inside_a_tunnel};
     const std::string name{layouts.front().name};
     if (is_flexible(id)) {
@@ -405,12 +407,13 @@ std::uint8_t id_of(const Json& json) {
         if (id == json.end()) fail("", "a frame needs a name or an id");
         return byte_at(json, "id", 0);
     }
-    if (!name->is_string()) fail("/name", "name: " + shown(*name) + " is not text");
+    if (!name->is_string()) fail("/name", "name: " + format_json(*name) + " is not text");
     const auto found = message_id(name->get_ref<const std::string&>());
     if (const auto* fault = std::get_if<JsonFault>(&found)) fail("/name", fault->what);
     const std::uint8_t named = std::get<std::uint8_t>(found);
     if (id != json.end() && byte_at(json, "id", 0) != named)
-        fail("/id", "id: " + shown(*id) + " is not the id of " + name->get<std::string>() + ", which is " + hex_byte(named));
+        fail("/id",
+             "id: " + format_json(*id) + " is not the id of " + name->get<std::string>() + ", which is " + hex_byte(named));
     return named;
 }
 
@@ -434,7 +437,7 @@ Data data_of(const Json& json, std::uint8_t id, std::uint8_t source, const JsonO
 Data encode_object(const Json& json, const JsonOptions& options, bool inside_a_tunnel) {
     constexpr std::string_view keys[]{"from", "to",   "id",   "name", "fields",    "extra",
                                       "data", "time", "link", "peer", "direction", "cause"};
-    if (!json.is_object()) fail("", shown(json) + " is not an object");
+    if (!json.is_object()) fail("", format_json(json) + " is not an object");
     for (const auto& [key, value] : json.items())
         if (std::find(std::begin(keys), std::end(keys), key) == std::end(keys))
             fail(pointer_step(key), "unknown key " + in_quotes(key) + did_you_mean(key, keys));

@@ -26,7 +26,7 @@ void write_scalar(const Field& f, const Value& value, const JsonOptions& options
                    },
                    [&](std::string_view text) {
                        if (is_ascii(text)) out.text(text);
-                       else out.text(shown_text(text, options.encoding));
+                       else out.text(display_text(text, options.encoding));
                    },
                    [&](Bytes bytes) { out.text(hex(bytes)); },
                    [&](auto integer) { out.number(integer); },

@@ -36,7 +36,7 @@ bool is_kept_text(const Field& f, Bytes bytes, std::string_view text, Encoding e
     const Bytes behind = bytes.subspan(text.size());
     if (f.is_open() ? !behind.empty() : std::any_of(behind.begin(), behind.end(), [](std::uint8_t b) { return b != 0; }))
         return false;
-    return is_ascii(text) || shown_text(text, encoding) == text;
+    return is_ascii(text) || display_text(text, encoding) == text;
 }
 
 // In JSON, bytes that belong to no frame follow all frames.

@@ -14,6 +14,6 @@ bool may_be_gbk(std::string_view text) noexcept;
 std::string_view without_cut_character(std::string_view text, Encoding encoding) noexcept;
 
 /// `text` as UTF-8, without an incomplete last character; otherwise like to_utf8(). Does not throw.
-std::string shown_text(std::string_view text, Encoding encoding);
+std::string display_text(std::string_view text, Encoding encoding);
 
 }    // namespace ano

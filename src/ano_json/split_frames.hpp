@@ -16,20 +16,20 @@ void split_frames(std::span<const std::uint8_t> bytes, OnFrame&& on_frame, OnGap
     FrameParser::Options options;
     options.max_data = std::min(bytes.size(), max_len);
     FrameParser parser{options};
-    std::size_t put_in = 0;
+    std::size_t offset = 0;
     std::size_t at = 0;      // end of the reported bytes
     std::size_t good = 0;    // bytes of valid frames
     const auto gap_until = [&](std::size_t end) {
         if (end > at) on_gap(at, bytes.subspan(at, end - at));
         at = end;
     };
-    while (put_in < bytes.size()) {
+    while (offset < bytes.size()) {
         const auto room = parser.prepare();
-        const std::size_t n = std::min(room.size(), bytes.size() - put_in);
-        std::copy_n(bytes.begin() + static_cast<std::ptrdiff_t>(put_in), n, room.begin());
+        const std::size_t n = std::min(room.size(), bytes.size() - offset);
+        std::copy_n(bytes.begin() + static_cast<std::ptrdiff_t>(offset), n, room.begin());
         parser.commit(n, TimePoint{});
-        put_in += n;
-        if (put_in == bytes.size()) parser.finish();
+        offset += n;
+        if (offset == bytes.size()) parser.finish();
         while (const auto frame = parser.next()) {
             gap_until(good + static_cast<std::size_t>(parser.counters().skipped_bytes));
             on_frame(*frame);

@@ -223,7 +223,7 @@ std::string_view without_cut_character(std::string_view text, Encoding encoding)
     return text;
 }
 
-std::string shown_text(std::string_view text, Encoding encoding) {
+std::string display_text(std::string_view text, Encoding encoding) {
     if (encoding == Encoding::automatic) {
         const bool is_gbk = !is_utf8(without_cut_character(text, Encoding::utf8)) && may_be_gbk(text);
         encoding = is_gbk ? Encoding::gbk : Encoding::utf8;

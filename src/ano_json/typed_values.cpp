@@ -36,7 +36,7 @@ public:
             return "a command has " + std::to_string(max_values) + " values at most, not " + std::to_string(values_.types.size());
         return {};
     }
-    TypedValues take() { return std::move(values_); }
+    TypedValues result() { return std::move(values_); }
 
 private:
     std::string read_string(std::string_view text) {
@@ -84,7 +84,7 @@ private:
 std::variant<TypedValues, std::string> typed_values(std::string_view text, Role role, Encoding encoding) {
     Reader reader{role, encoding};
     if (std::string wrong = reader.read(text); !wrong.empty()) return wrong;
-    return reader.take();
+    return reader.result();
 }
 
 }    // namespace ano

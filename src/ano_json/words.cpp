@@ -18,7 +18,7 @@ std::optional<std::uint32_t> value_called(const Field& field, std::string_view w
     return std::nullopt;
 }
 
-std::vector<std::string_view> words_of(const Field& field, ValueType7 seven) {
+std::vector<std::string_view> words_for(const Field& field, ValueType7 seven) {
     std::vector<std::string_view> words;
     for (const Meaning& m : field.meanings) {
         const std::string_view word = word_of(field, m.value, seven);

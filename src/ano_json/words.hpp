@@ -19,7 +19,7 @@ std::string_view word_of(const Field& field, std::uint64_t value, ValueType7 sev
 std::optional<std::uint32_t> value_called(const Field& field, std::string_view word, ValueType7 seven) noexcept;
 
 /// All words of `field`, each once, in the order of the table.
-std::vector<std::string_view> words_of(const Field& field, ValueType7 seven);
+std::vector<std::string_view> words_for(const Field& field, ValueType7 seven);
 
 /// Whether value_called() treats the two words as equal.
 bool is_same_word(std::string_view a, std::string_view b) noexcept;

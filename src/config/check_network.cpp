@@ -59,11 +59,11 @@ bool is_address_of(const std::vector<Network>& own, const IpAddress& address) {
 bool leads_to(const PeerPort& to, const BoundPort& bound, const HostAddresses& names, const std::vector<Network>& own) {
     const IpAddress& local = bound.local.address;
     if (to.is_tcp != bound.is_tcp || to.peer.port == 0 || to.peer.port != bound.local.port) return false;
-    const bool takes_all = local.is_any() && bound.interface.empty();
+    const bool accepts_all = local.is_any() && bound.interface.empty();
     const std::vector<IpAddress> all = addresses_of(to.peer, names);
     return std::any_of(all.begin(), all.end(), [&](const IpAddress& peer) {
         if (peer.is_multicast()) return false;    // other hosts receive it too
-        return peer == local || (takes_all && (peer.is_loopback() || is_address_of(own, peer)));
+        return peer == local || (accepts_all && (peer.is_loopback() || is_address_of(own, peer)));
     });
 }
 

@@ -35,9 +35,9 @@ struct Draft {
     Origin record;                                                // of settings.record
     Origin control, log;                                          // of settings.control and settings.log
     ConfigErrors errors;
-    ConfigErrors warnings;                         // allowed, but probably not intended
-    std::map<std::string, std::string> said_in;    // key ("/gateway/id") → file, for keys that only one file may set
-    bool broken_links = false;                     // a link could not be read, so references to link names can't be checked
+    ConfigErrors warnings;                        // allowed, but probably not intended
+    std::map<std::string, std::string> set_in;    // key ("/gateway/id") → file, for keys that only one file may set
+    bool broken_links = false;                    // a link could not be read, so references to link names can't be checked
 
     void add(LinkSettings link, Origin origin);
     void add(RouteSettings route, Origin origin);

@@ -40,7 +40,7 @@ std::optional<Words> count_or_text_words(const json& value) {
 }
 
 /// The entries of an array; std::nullopt: `is_word` refuses one.
-std::optional<Words> words_of_list(const json& value, bool (*is_word)(const json&)) {
+std::optional<Words> words_from_list(const json& value, bool (*is_word)(const json&)) {
     if (!value.is_array()) return std::nullopt;
     Words words;
     for (const json& entry : value) {
@@ -55,19 +55,19 @@ bool has(const json& text, char c) { return text.get_ref<const std::string&>().f
 // A single text is one word here; only in a LINK text several are joined by +.
 std::optional<Words> list_words(const json& value) {
     if (value.is_array() && value.empty()) return std::nullopt;
-    return words_of_list(value,
-                         [](const json& entry) { return entry.is_number_integer() || (entry.is_string() && !has(entry, '+')); });
+    return words_from_list(
+        value, [](const json& entry) { return entry.is_number_integer() || (entry.is_string() && !has(entry, '+')); });
 }
 std::optional<Words> networks_words(const json& value) {
     if (value.is_string()) return value == "any" ? text_words(value) : std::nullopt;
     if (value.is_array() && value.empty()) return std::nullopt;
-    return words_of_list(value, [](const json& entry) { return entry.is_string() && entry != "any" && !has(entry, '+'); });
+    return words_from_list(value, [](const json& entry) { return entry.is_string() && entry != "any" && !has(entry, '+'); });
 }
 std::optional<Words> names_words(const json& value) {
-    return words_of_list(value, [](const json& entry) { return entry.is_string() && entry != "" && !has(entry, '\n'); });
+    return words_from_list(value, [](const json& entry) { return entry.is_string() && entry != "" && !has(entry, '\n'); });
 }
 std::optional<Words> joined_names_words(const json& value) {
-    return words_of_list(value, [](const json& entry) { return entry.is_string() && !has(entry, '+'); });
+    return words_from_list(value, [](const json& entry) { return entry.is_string() && !has(entry, '+'); });
 }
 // For Form::limits, whose entries are read one by one.
 std::optional<Words> no_words(const json&) { return std::nullopt; }
@@ -297,8 +297,9 @@ constexpr FormRow rows[] = {
      },
      .expected =
          [](Facts key) {
-             return std::string{key.takes_hosts ? "any, or networks such as 192.168.0.0/24 and host names such as ground.local"
-                                                : "any, or networks such as 192.168.0.0/24"};
+             return std::string{key.allows_host_names
+                                    ? "any, or networks such as 192.168.0.0/24 and host names such as ground.local"
+                                    : "any, or networks such as 192.168.0.0/24"};
          },
      .placeholder = [](Facts) { return std::string{"CIDR[+CIDR...]|any"}; }},
     {.form = Form::network,
@@ -309,7 +310,7 @@ constexpr FormRow rows[] = {
      .expected =
          [](Facts key) {
              return std::string{"an IPv4 network such as 192.168.0.0/24"} +
-                    (key.takes_hosts ? ", or a host name such as ground.local" : "");
+                    (key.allows_host_names ? ", or a host name such as ground.local" : "");
          },
      .placeholder = [](Facts) { return std::string{"CIDR"}; }},
     {.form = Form::ip,
@@ -320,7 +321,7 @@ constexpr FormRow rows[] = {
      .expected =
          [](Facts key) {
              return std::string{"an IPv4 address such as 192.168.0.5"} +
-                    (key.takes_hosts ? ", a host name such as gateway.example.org" : "") +
+                    (key.allows_host_names ? ", a host name such as gateway.example.org" : "") +
                     (key.choices.empty() ? "" : " or " + std::string{key.choices});
          },
      .placeholder = [](Facts key) { return or_choices("IP", key.choices); }},
@@ -425,10 +426,10 @@ std::string read_text(const KeyFacts& key, std::string_view text, Value& value) 
 std::string read_json(const KeyFacts& key, const json& given, Value& value) {
     if (lacks_brackets(key, given))
         return in_quotes(key.name) + " must be a list" + (given.is_string() ? " such as [" + printable(given.dump()) + "]" : "") +
-               ", not " + shown(given);
+               ", not " + format_json(given);
     const FormRow& row = row_of(key.form);
     const auto words = row.words(given);
-    return words ? row.read(key, *words, value) : must_be(key, shown(given));
+    return words ? row.read(key, *words, value) : must_be(key, format_json(given));
 }
 
 std::optional<Json> printed(const KeyFacts& key, const Value& value) {
@@ -438,7 +439,7 @@ std::optional<Json> printed(const KeyFacts& key, const Value& value) {
     return json;
 }
 
-std::optional<std::string> text_of(const KeyFacts& key, const Value& value) {
+std::optional<std::string> format_value(const KeyFacts& key, const Value& value) {
     const auto json = printed(key, value);
     if (!json || json->is_object()) return std::nullopt;
     if (!json->is_array()) return json->is_string() ? json->get<std::string>() : json->dump();
@@ -447,7 +448,7 @@ std::optional<std::string> text_of(const KeyFacts& key, const Value& value) {
     return text;
 }
 
-std::string shown(const json& value) {
+std::string format_json(const json& value) {
     if (value.is_object()) return "an object";
     if (value.is_array()) return "a list";
     if (value.is_string()) return "the text " + printable(value.dump());

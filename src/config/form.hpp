@@ -67,9 +67,9 @@ std::string read_json(const KeyFacts& key, const nlohmann::json& json, Value& va
 /// std::nullopt for a value that is not set or is empty.
 std::optional<nlohmann::ordered_json> printed(const KeyFacts& key, const Value& value);
 /// The same, as text for a LINK.
-std::optional<std::string> text_of(const KeyFacts& key, const Value& value);
+std::optional<std::string> format_value(const KeyFacts& key, const Value& value);
 
 /// For an error text: the value, or its type if it is long.
-std::string shown(const nlohmann::json& json);
+std::string format_json(const nlohmann::json& json);
 
 }    // namespace anogate

@@ -19,7 +19,7 @@ Value get_unknown(const KeyFacts&, const GatewaySettings& gateway) {
     return std::string{gateway.unknown == Unknown::flood ? "flood" : "drop"};
 }
 
-std::string put_unknown(const KeyFacts&, Value value, GatewaySettings& gateway) {
+std::string set_unknown(const KeyFacts&, Value value, GatewaySettings& gateway) {
     auto& text = std::get<std::string>(value);
     gateway.unknown = text == "flood" ? Unknown::flood : text == "drop" ? Unknown::drop : Unknown::link;
     gateway.unknown_link = gateway.unknown == Unknown::link ? std::move(text) : std::string{};
@@ -30,7 +30,7 @@ Value get_addresses(const KeyFacts&, const RouteSettings& route) {
     return route.last == 0 ? Value{} : Value{ByteRange{route.first, route.last}};
 }
 
-std::string put_addresses(const KeyFacts&, Value value, RouteSettings& route) {
+std::string set_addresses(const KeyFacts&, Value value, RouteSettings& route) {
     const auto range = std::get<ByteRange>(value);
     route.first = range.first;
     route.last = range.last;
@@ -48,7 +48,7 @@ constexpr Key<G> gateway_rows[] = {
             .choices = "flood|drop",
             .option = "--unknown"},
            get_unknown,
-           put_unknown},
+           set_unknown},
     duration<&G::forget_after>("forget_after", second, day, "forget an address after this time without frames from it"),
 };
 
@@ -56,7 +56,7 @@ Value get_class_id(const KeyFacts&, const ClassSettings& of_id) {
     return of_id.id == 0 ? Value{} : Value{address_text(of_id.id)};
 }
 
-std::string put_class_id(const KeyFacts& key, Value value, ClassSettings& of_id) {
+std::string set_class_id(const KeyFacts& key, Value value, ClassSettings& of_id) {
     const auto& text = std::get<std::string>(value);
     const auto ids = parse_frames(text);
     if (!ids || ids->size() != 1 || ids->front().first != ids->front().last)
@@ -77,7 +77,7 @@ constexpr Key<F> class_rows[] = {
             .stands_for = "ID",
             .required = true},
            get_class_id,
-           put_class_id},
+           set_class_id},
     choice<&F::frame_class>(
         "class", "control|urgent|telemetry|bulk",
         "control: sent first, also before older frames of the same sender, for setpoints; urgent: sent first; "
@@ -101,7 +101,7 @@ constexpr Key<R> route_rows[] = {
             .max = last_id,
             .required = true},
            get_addresses,
-           put_addresses},
+           set_addresses},
     text<&R::link>("link", 1, max_name, "the name of the link to it") | as("LINK") | needed,
 };
 

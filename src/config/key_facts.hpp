@@ -23,9 +23,9 @@ struct KeyFacts {
     std::string_view option{};         // the command-line option that sets it: "--id"
     std::string_view stands_for{};     // the placeholder in help texts: "PATH"; empty: the one of the form
     bool required = false;
-    bool is_local = false;       // an endpoint of this computer
-    bool is_v4 = false;          // networks of IPv4 only: "any" is 0.0.0.0/0
-    bool takes_hosts = false;    // host names are allowed besides networks or an IP address
+    bool is_local = false;             // an endpoint of this computer
+    bool is_v4 = false;                // networks of IPv4 only: "any" is 0.0.0.0/0
+    bool allows_host_names = false;    // host names are allowed besides networks or an IP address
 
     /// Whether GPIO lines of the use `kind` have this key. True for an empty `kind`.
     bool is_of(std::string_view kind) const;

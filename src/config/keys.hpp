@@ -21,7 +21,7 @@ struct Key : KeyFacts {
     std::string (*put)(const KeyFacts&, Value, Section&) = nullptr;
 
     /// The value in `section` as text; std::nullopt: it is not set.
-    std::optional<std::string> text_in(const Section& section) const { return text_of(*this, get(*this, section)); }
+    std::optional<std::string> text_in(const Section& section) const { return format_value(*this, get(*this, section)); }
     /// Sets it and returns "", or returns the error for `text` and changes nothing.
     std::string set(std::string_view text, Section& section) const {
         Value value;

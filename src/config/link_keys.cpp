@@ -17,7 +17,7 @@ Value get_hello(const KeyFacts&, const LinkSettings& link) {
     return *link.hello == Duration{} ? Value{false} : Value{*link.hello};
 }
 
-std::string put_hello(const KeyFacts&, Value value, LinkSettings& link) {
+std::string set_hello(const KeyFacts&, Value value, LinkSettings& link) {
     if (const bool* on = std::get_if<bool>(&value)) link.hello = *on ? LinkSettings::usual_hello : Duration{};
     else link.hello = std::get<Duration>(value);
     return {};
@@ -48,7 +48,7 @@ constexpr Key<L> own_rows[] = {
             .min = second,
             .max = day},
            get_hello,
-           put_hello},
+           set_hello},
     choice<&L::value_type_7>("value_type_7", "f32|u64",
                              "the meaning of value type 7 in commands (default: u64 with profile=vendor, else derived from the "
                              "descriptions of the device)"),

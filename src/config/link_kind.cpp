@@ -23,7 +23,7 @@ LinkSettings new_link(const LinkKind& kind) {
 
 Duration hello_interval(const LinkSettings& link) noexcept {
     if (link.kind->replays) return {};
-    const bool is_possible = link.takes_broadcasts() ||
+    const bool is_possible = link.accepts_broadcasts() ||
                              link.profile == Profile::old;    // it sends this broadcast to an old device nevertheless
     const bool on = link.profile != Profile::none && !link.kind->listens && is_possible;
     return link.hello.value_or(on ? LinkSettings::usual_hello : Duration{});

@@ -17,7 +17,7 @@ using nlohmann::json;
 
 /// `keys`: the keys it may have, as " of level, file"; empty if there are too many.
 bool is_object(const json& value, const std::string& where, ConfigErrors& errors, const std::string& keys = {}) {
-    if (!value.is_object()) errors.push_back({where, "must be an object {...}" + keys + ", not " + shown(value)});
+    if (!value.is_object()) errors.push_back({where, "must be an object {...}" + keys + ", not " + format_json(value)});
     return value.is_object();
 }
 
@@ -39,7 +39,7 @@ std::string nested(const std::string& name) {
 /// One entry of a limit, {"0x01": 50}.
 template <class Section>
 std::string read_entry(const Key<Section>& key, const std::string& name, const json& rate, Section& section) {
-    if (!rate.is_number()) return in_quotes(name) + " must be a number of frames per second, not " + shown(rate);
+    if (!rate.is_number()) return in_quotes(name) + " must be a number of frames per second, not " + format_json(rate);
     return key.set_limit(name, rate.dump(), section);
 }
 
@@ -143,8 +143,8 @@ private:
     }
 
     bool is_first(const std::string& key, const std::string& pointer, const std::string& name) {
-        const auto [said, is_new] = draft_.said_in.emplace(key, file_);
-        if (!is_new) draft_.errors.push_back({pointer, in_quotes(name) + " is also set in " + said->second});
+        const auto [previous, is_new] = draft_.set_in.emplace(key, file_);
+        if (!is_new) draft_.errors.push_back({pointer, in_quotes(name) + " is also set in " + previous->second});
         return is_new;
     }
 
@@ -160,7 +160,7 @@ private:
     }
 
     void no_list(const json& value, const std::string& pointer) {
-        draft_.errors.push_back({pointer, "must be a list [...], not " + shown(value)});
+        draft_.errors.push_back({pointer, "must be a list [...], not " + format_json(value)});
     }
 
     void no_links(const json& value, const std::string& pointer) {
@@ -183,7 +183,7 @@ private:
         const std::size_t before = draft_.errors.size();
         LinkSettings settings;
         if (!value.is_object() && !value.is_array())
-            draft_.errors.push_back({pointer, "must be a LINK text or an object {...}, not " + shown(value)});
+            draft_.errors.push_back({pointer, "must be a LINK text or an object {...}, not " + format_json(value)});
         else if (is_object(value, pointer, draft_.errors) && has_kind(value, pointer)) {
             settings = new_link(*find_link_kind(draft_.kinds, value["kind"].get<std::string>()));
             read_keys(value, {pointer, true}, keys_of(*settings.kind, draft_.kinds), settings, draft_.errors, "kind");
@@ -196,7 +196,7 @@ private:
         if (kind == link.end()) {
             draft_.errors.push_back({pointer, "'kind' is missing, for example \"kind\": \"serial\""});
         } else if (!kind->is_string()) {
-            draft_.errors.push_back({pointer + "/kind", "'kind' must be text such as \"serial\", not " + shown(*kind)});
+            draft_.errors.push_back({pointer + "/kind", "'kind' must be text such as \"serial\", not " + format_json(*kind)});
         } else if (const auto& name = kind->get_ref<const std::string&>(); find_link_kind(draft_.kinds, name) == nullptr) {
             draft_.errors.push_back({pointer + "/kind", unknown_kind(draft_.kinds, name)});
         } else {

@@ -42,14 +42,14 @@ std::string_view port_alone(std::string_view text) {
 /// Names the wrong part, address or port, if it can be determined.
 std::string endpoint_error(const KeyFacts& key, std::string_view text) {
     const std::string shown = printable(std::string{text});
-    const bool takes_names = key.form == Form::host;
+    const bool allows_names = key.form == Form::host;
     if (const auto address = IpAddress::parse(text)) {
         const std::string better = address->v6 ? "[" + shown + "]:PORT" : shown + ":PORT";
         return "'" + shown + "' has no port: write " + better;
     }
     if (const std::string port{port_alone(text)}; !port.empty()) {
-        return "'" + shown + "' has no " + (takes_names ? "host name or IP address" : "IP address") + ": write " +
-               (key.is_local ? "0.0.0.0:" + port + " for every interface" : (takes_names ? "HOST:" : "IP:") + port);
+        return "'" + shown + "' has no " + (allows_names ? "host name or IP address" : "IP address") + ": write " +
+               (key.is_local ? "0.0.0.0:" + port + " for every interface" : (allows_names ? "HOST:" : "IP:") + port);
     }
     if (const std::size_t percent = text.find('%'), end = text.find(']'); percent < end && end != text.npos) {
         const std::string_view interface = text.substr(percent + 1, end - percent - 1);
@@ -63,7 +63,7 @@ std::string endpoint_error(const KeyFacts& key, std::string_view text) {
         return must_be(key, in_quotes(text)) + ": a port is at most 65535";
     const std::string_view host = text.substr(0, colon);
     const std::string port = colon == std::string_view::npos ? "PORT" : shown.substr(std::min(colon + 1, shown.size()));
-    if (!takes_names && host.find_first_of(":[]%") == std::string_view::npos &&
+    if (!allows_names && host.find_first_of(":[]%") == std::string_view::npos &&
         std::any_of(host.begin(), host.end(), is_beyond_hex))
         return "'" + shown + "': host names are not supported here; give an IP address such as 127.0.0.1:" + port;
     return must_be(key, in_quotes(text));
@@ -198,7 +198,7 @@ std::string networks(const KeyFacts& key, const Words& words, Value& value) {
     list.any = words.size() == 1 && words[0] == "any";
     for (const std::string& word : list.any ? Words{} : words) {
         if (const auto network = parse_network(key, word)) list.networks.push_back(*network);
-        else if (key.takes_hosts && is_host_name(word)) list.hosts.push_back(word);
+        else if (key.allows_host_names && is_host_name(word)) list.hosts.push_back(word);
         else return must_be(key, in_quotes(word));
     }
     value = std::move(list);
@@ -207,7 +207,7 @@ std::string networks(const KeyFacts& key, const Words& words, Value& value) {
 
 std::string network(const KeyFacts& key, const Words& words, Value& value) {
     const auto parsed = parse_network(key, words[0]);
-    if (!parsed && key.takes_hosts && is_host_name(words[0])) return value = words[0], std::string{};
+    if (!parsed && key.allows_host_names && is_host_name(words[0])) return value = words[0], std::string{};
     if (!parsed) return must_be(key, in_quotes(words[0]));
     value = *parsed;
     return {};
@@ -216,7 +216,7 @@ std::string network(const KeyFacts& key, const Words& words, Value& value) {
 std::string ip(const KeyFacts& key, const Words& words, Value& value) {
     if (!key.choices.empty() && words[0] == key.choices) return value = words[0], std::string{};
     const auto parsed = IpAddress::parse(words[0]);
-    if (!parsed && key.takes_hosts && is_host_name(words[0])) return value = words[0], std::string{};
+    if (!parsed && key.allows_host_names && is_host_name(words[0])) return value = words[0], std::string{};
     if (!parsed || parsed->v6 || (!key.choices.empty() && parsed->is_any())) return must_be(key, in_quotes(words[0]));
     value = *parsed;
     return {};

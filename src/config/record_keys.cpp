@@ -17,7 +17,7 @@ constexpr std::string_view directions[] = {"in", "out", "dropped"};
 
 Value get_direction(const KeyFacts&, const RecordSettings& record) { return record.direction; }
 
-std::string put_direction(const KeyFacts& key, Value value, RecordSettings& record) {
+std::string set_direction(const KeyFacts& key, Value value, RecordSettings& record) {
     auto& words = std::get<std::vector<std::string>>(value);
     if (words.empty()) return in_quotes(key.name) + " must list what to record: in, out, dropped";
     for (const std::string& word : words)
@@ -30,7 +30,7 @@ std::string put_direction(const KeyFacts& key, Value value, RecordSettings& reco
 
 Value get_limit(const KeyFacts&, const RecordSettings& record) { return record.limit; }
 
-std::string put_limit(const KeyFacts&, Value value, RecordSettings& record) {
+std::string set_record_limit(const KeyFacts&, Value value, RecordSettings& record) {
     std::vector<LimitRule> limit = record.limit;
     for (const LimitRule& rule : std::get<std::vector<LimitRule>>(value))
         if (std::string wrong = add_limit(rule, limit); !wrong.empty()) return wrong;
@@ -72,14 +72,14 @@ constexpr Key<Rec> record_rows[] = {
               .max = max_name,
               .stands_for = "[in|out|dropped...]"},
              get_direction,
-             put_direction},
+             set_direction},
     frames<&Rec::ids>("id", "record only these frames"),
     senders<&Rec::from>("from", "only from these addresses"),
     senders<&Rec::to>("to", "only to these addresses"),
     row<&Rec::links>({.name = "link", .form = Form::names, .help = "only on these links", .min = 1, .max = max_name}),
     Key<Rec>{{.name = "limit", .form = Form::limits, .help = "maximum frames per second to record of an id or message"},
              get_limit,
-             put_limit},
+             set_record_limit},
     size_from<&Rec::rotate_size, 10 * kB>("rotate.size", "start a new file at this size; 0: never"),
     duration<&Rec::rotate_time>("rotate.time", second, max_age, "start a new file after this time (default: never)"),
     size_from<&Rec::keep_size, 100 * kB>("keep.size", "delete the oldest recordings above this total size; 0: no limit"),

@@ -12,7 +12,7 @@ Value get_ip(const KeyFacts& key, const TunnelSettings& tunnel) {
     return tunnel.ip_host.empty() ? std::string{key.choices} : tunnel.ip_host;
 }
 
-std::string put_ip(const KeyFacts& key, Value value, TunnelSettings& tunnel) {
+std::string set_ip(const KeyFacts& key, Value value, TunnelSettings& tunnel) {
     const auto* address = std::get_if<IpAddress>(&value);
     tunnel.ip = address ? std::optional{*address} : std::nullopt;
     const auto* text = std::get_if<std::string>(&value);
@@ -22,7 +22,7 @@ std::string put_ip(const KeyFacts& key, Value value, TunnelSettings& tunnel) {
 
 Value get_allow(const KeyFacts&, const TunnelSettings& tunnel) { return NetworkList{false, tunnel.allow, tunnel.allow_hosts}; }
 
-std::string put_allow(const KeyFacts&, Value value, TunnelSettings& tunnel) {
+std::string set_allow(const KeyFacts&, Value value, TunnelSettings& tunnel) {
     auto& list = std::get<NetworkList>(value);
     if (list.any) list.networks = {Network{}};
     tunnel.allow = std::move(list.networks);
@@ -34,7 +34,7 @@ Value get_from(const KeyFacts&, const WrapSettings& rule) {
     return rule.from_host.empty() ? Value{rule.from} : Value{rule.from_host};
 }
 
-std::string put_from(const KeyFacts&, Value value, WrapSettings& rule) {
+std::string set_from(const KeyFacts&, Value value, WrapSettings& rule) {
     const auto* network = std::get_if<Network>(&value);
     rule.from = network ? *network : Network{};
     rule.from_host = network ? "" : std::get<std::string>(value);
@@ -47,7 +47,7 @@ Value get_as(const KeyFacts& key, const WrapSettings& rule) {
     return std::string{split(key.choices, '|')[static_cast<std::size_t>(rule.id - first_tunnel_id)]};
 }
 
-std::string put_as(const KeyFacts& key, Value value, WrapSettings& rule) {
+std::string set_as(const KeyFacts& key, Value value, WrapSettings& rule) {
     const auto choices = split(key.choices, '|');
     const auto chosen = std::find(choices.begin(), choices.end(), std::get<std::string>(value)) - choices.begin();
     rule.id = static_cast<std::uint8_t>(first_tunnel_id + chosen);
@@ -68,18 +68,18 @@ constexpr Key<T> own_tunnel_rows[] = {
             .form = Form::ip,
             .help = "the address under which others reach this gateway; auto: the address that the system uses to reach them",
             .choices = "auto",
-            .takes_hosts = true},
+            .allows_host_names = true},
            get_ip,
-           put_ip},
+           set_ip},
     choice<&T::deliver>("deliver", "frames|tunnel",
                         "what to send: the inner frames, or the tunnel frame with the gateway's address as its source"),
     Key<T>{{.name = "allow",
             .form = Form::networks,
             .help = "networks and hosts to send to and accept from (default: the local networks, not loopback)",
             .is_v4 = true,
-            .takes_hosts = true},
+            .allows_host_names = true},
            get_allow,
-           put_allow},
+           set_allow},
     boolean<&T::relay>("relay", "peers of UDP links may reach programs on this computer, if `allow` lists it"),
 };
 
@@ -91,16 +91,16 @@ constexpr Key<W> wrap_rows[] = {
             .help = "wrap datagrams from this network or host into tunnel frames",
             .required = true,
             .is_v4 = true,
-            .takes_hosts = true},
+            .allows_host_names = true},
            get_from,
-           put_from},
+           set_from},
     text<&W::link>("link", 1, max_name, "the name of the link to send to") | as("LINK") | needed,
     Key<W>{{.name = "as",
             .form = Form::choice,
             .help = "the kind of tunnel frame, 0xB1 or 0xB2",
             .choices = "ip_tunnel|ip_tunnel_short"},
            get_as,
-           put_as},
+           set_as},
     address<&W::source>("source", first_id, last_id, "the source of the tunnel frame"),
     address<&W::to>("to", first_id, 255, "the destination of the tunnel frame"),
 };

@@ -138,7 +138,7 @@ private:
     void hello(std::size_t i) {
         const LinkSettings& link = links_[i];
         if (!link.hello || *link.hello == Duration{} || link.kind->listens) return;
-        if (!link.takes_broadcasts() && link.profile != Profile::old)
+        if (!link.accepts_broadcasts() && link.profile != Profile::old)
             warning(draft_.links[i].key("hello"),
                     "'hello' has no effect: it is a broadcast frame (0xFF), which broadcast=no keeps off this link");
     }

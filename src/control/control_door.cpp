@@ -36,8 +36,8 @@ std::string whole_path(const std::string& path) {
 }
 
 void log_guessing(const std::string& peer, const http::Attempts::News& news) {
-    if (news.untold > 0)
-        log_warning("control.http: before that, {} more addresses with wrong tokens were slowed down", news.untold);
+    if (news.unlogged > 0)
+        log_warning("control.http: before that, {} more addresses with wrong tokens were slowed down", news.unlogged);
     log_warning(
         "control.http: ten wrong tokens from {} within a minute; further ones are delayed and counted (http.wrong_tokens "
         "in the status){}",
@@ -53,7 +53,7 @@ ControlDoor::ControlDoor(asio::io_context& io, ControlSettings settings)
     : settings_{std::move(settings)},
       server_{io, {}, [] { return memory_is_left(request_memory); }},
       again_{io, [this] { try_again(); }},
-      errand_{io} {
+      background_task_{io} {
     server_.admission().on_guessing(log_guessing);
     server_.keep_large_bodies([&io] { return std::make_unique<FileKeeper>(io); });
 }
@@ -81,13 +81,13 @@ bool ControlDoor::open() {
 
 void ControlDoor::finish(Duration patience) {
     again_.stop();
-    errand_.stop();
+    background_task_.stop();
     server_.finish(patience);
 }
 
 void ControlDoor::close() {
     again_.stop();
-    errand_.stop();
+    background_task_.stop();
     server_.stop();
 }
 
@@ -144,7 +144,7 @@ void ControlDoor::open_network() {
 void ControlDoor::renew(const std::function<void(std::string fault)>& done) {
     if (!settings_.http) return done({});
     const auto files = std::make_shared<Files>();
-    const bool goes = errand_.run(
+    const bool goes = background_task_.run(
         [files, settings = settings_, needs = network_.needs_token] { *files = read_files(settings, needs); },
         [this, files, done](std::string thrown) {
             if (!thrown.empty()) files->fault = std::move(thrown);

@@ -4,7 +4,7 @@
 #include <gateway/settings.hpp>
 #include <http/server.hpp>
 #include <status/network_door.hpp>
-#include <sys/errand.hpp>
+#include <sys/background_task.hpp>
 #include <sys/ticker.hpp>
 
 #include <sys/types.h>
@@ -43,8 +43,8 @@ public:
     NetworkDoor network_door() const {
         NetworkDoor door = network_door_;
         door.wrong_tokens = server_.admission().wrong_tokens();
-        door.gave_way = server_.gave_way().count;
-        door.gave_way_lately = door.gave_way > 0 && ano::Clock::now() - server_.gave_way().last < NetworkDoor::lately;
+        door.evicted = server_.evicted().count;
+        door.evicted_lately = door.evicted > 0 && ano::Clock::now() - server_.evicted().last < NetworkDoor::lately;
         door.guessing_clients = server_.admission().guessing_clients();
         door.link_code = text(codes_.state(SignInCodes::Form::link, ano::Clock::now()));
         door.digits_code = text(codes_.state(SignInCodes::Form::digits, ano::Clock::now()));
@@ -67,7 +67,7 @@ private:
         settings_;    // as of the start; only changes in the content of the files take effect before the next start
     http::Server server_;
     Ticker again_;
-    Errand errand_;
+    BackgroundTask background_task_;
     std::string socket_;
     bool awaits_local_ = false, awaits_network_ = false;
     http::Server::Network network_;

@@ -90,7 +90,7 @@ std::optional<KeptFlexible> kept_flexible(const std::string& path) {
 }
 
 FlexibleControl::FlexibleControl(Gateway& gateway, std::string path, std::optional<KeptFlexible> kept)
-    : gateway_{gateway}, path_{std::move(path)}, errand_{gateway.io()} {
+    : gateway_{gateway}, path_{std::move(path)}, background_task_{gateway.io()} {
     const auto forgotten = [this] {
         log_info("layouts of flexible messages set by a client are discarded: the configuration changed after that");
         keep({});
@@ -103,7 +103,7 @@ FlexibleControl::FlexibleControl(Gateway& gateway, std::string path, std::option
 
 void FlexibleControl::stop() {
     gateway_.on_flexible_overruled({});
-    errand_.stop();
+    background_task_.stop();
     waiting_.clear();
 }
 
@@ -126,12 +126,12 @@ http::Response FlexibleControl::set(const http::Request& request) {
     gateway_.set_flexible(std::get<Specs>(std::move(read)));
     if (path_.empty())
         return answer(gateway_, "without a configuration file or a state folder, they apply until the gateway stops");
-    return http::later([this](const Say& say) { keep(say); });
+    return http::later([this](const Respond& respond) { keep(respond); });
 }
 
-void FlexibleControl::keep(Say say) {
-    waiting_.push_back(std::move(say));
-    if (!errand_.is_running()) write();
+void FlexibleControl::keep(Respond respond) {
+    waiting_.push_back(std::move(respond));
+    if (!background_task_.is_running()) write();
 }
 
 // Requests received during a write are answered after the next one.
@@ -144,14 +144,14 @@ void FlexibleControl::write() {
         *fault = text.empty() ? forget_file(path)
                               : keep_file(path, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
     };
-    const auto done = [this, fault, said = std::exchange(waiting_, {})](const std::string& thrown) {
+    const auto done = [this, fault, callbacks = std::exchange(waiting_, {})](const std::string& thrown) {
         const std::string why = thrown.empty() ? *fault : thrown;
         if (!why.empty()) log_warning("layouts of flexible messages could not be stored: {}", why);
-        for (const Say& say : said)
-            if (say) say(answer(gateway_, why));
+        for (const Respond& respond : callbacks)
+            if (respond) respond(answer(gateway_, why));
         if (!waiting_.empty()) write();
     };
-    if (!path_.empty() && !errand_.run(work, done)) done(std::string{errand_.why_not()});
+    if (!path_.empty() && !background_task_.run(work, done)) done(std::string{background_task_.why_not()});
 }
 
 }    // namespace anogate

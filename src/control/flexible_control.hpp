@@ -4,7 +4,7 @@
 #include <ano/flexible.hpp>
 #include <http/response.hpp>
 #include <http/routes.hpp>
-#include <sys/errand.hpp>
+#include <sys/background_task.hpp>
 
 #include <functional>
 #include <optional>
@@ -48,16 +48,16 @@ public:
     void stop();
 
 private:
-    using Say = std::function<void(http::Response)>;
+    using Respond = std::function<void(http::Response)>;
     http::Response set(const http::Request& request);
-    void keep(Say say);
+    void keep(Respond respond);
     void write();
 
     Gateway& gateway_;
     std::string path_;
     std::function<void()> before_change_ = [] {};
-    Errand errand_;
-    std::vector<Say> waiting_;    // requests to answer once the file contains the current layouts
+    BackgroundTask background_task_;
+    std::vector<Respond> waiting_;    // requests to answer once the file contains the current layouts
 };
 
 }    // namespace anogate

@@ -45,17 +45,17 @@ public:
     }
     void heard(std::string_view message, Kind kind) override {
         if (!port_) return;
-        if (!may_send_) return tell({{"error", "not sent: this token is read-only"}});
-        if (kind == Kind::text) return tell({{"error", "not sent: send bytes as binary messages"}});
+        if (!may_send_) return send_message({{"error", "not sent: this token is read-only"}});
+        if (kind == Kind::text) return send_message({{"error", "not sent: send bytes as binary messages"}});
         if (!port_->write_raw({reinterpret_cast<const std::uint8_t*>(message.data()), message.size()}))
-            tell({{"error", "not sent: the link is down or still busy with earlier data"}});
+            send_message({{"error", "not sent: the link is down or still busy with earlier data"}});
     }
-    void sent_all() override { tell_lost(); }
+    void sent_all() override { send_lost(); }
 
     void pass(char direction, std::span<const std::uint8_t> bytes) {
         bool is_sent = false;
         socket_->attempt([&] {
-            tell_lost();
+            send_lost();
             const bool fits = lost_received_ + lost_sent_ == 0 && socket_->waiting() + bytes.size() <= RawStreams::max_waiting;
             is_sent = fits && socket_->send(std::make_shared<const std::string>(message_of(direction, bytes)), Kind::binary);
         });
@@ -64,11 +64,11 @@ public:
     void begin(LinkId id, RawPort& port, const LinkSettings& settings) {
         id_ = id;
         port_ = &port;
-        tell({{"link", link_},
-              {"kind", settings.kind->name},
-              {"encoding", settings.text_encoding() == TextEncoding::gbk ? "gbk" : "utf8"},
-              {"exclusive", exclusive_},
-              {"may_send", may_send_}});
+        send_message({{"link", link_},
+                      {"kind", settings.kind->name},
+                      {"encoding", settings.text_encoding() == TextEncoding::gbk ? "gbk" : "utf8"},
+                      {"exclusive", exclusive_},
+                      {"may_send", may_send_}});
     }
     /// The link was removed, or recreated with other settings.
     void detach() {
@@ -80,10 +80,10 @@ public:
     bool is_exclusive() const noexcept { return exclusive_; }
 
 private:
-    void tell(const Json& what) { socket_->send(std::make_shared<const std::string>(what.dump()), Kind::text); }
-    void tell_lost() {
+    void send_message(const Json& what) { socket_->send(std::make_shared<const std::string>(what.dump()), Kind::text); }
+    void send_lost() {
         if (lost_received_ + lost_sent_ == 0 || !port_ || socket_->waiting() > 0) return;
-        tell({{"lost", {{"received", std::exchange(lost_received_, 0)}, {"sent", std::exchange(lost_sent_, 0)}}}});
+        send_message({{"lost", {{"received", std::exchange(lost_received_, 0)}, {"sent", std::exchange(lost_sent_, 0)}}}});
     }
 
     RawStreams& streams_;

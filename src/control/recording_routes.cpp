@@ -46,7 +46,7 @@ Fault is_no_format(std::string_view word) {
 Fault is_no_encoding(std::string_view word) { return "message_encoding " + ano::in_quotes(word) + " is neither cdr nor json"; }
 
 /// The value of a filter, from a text, a number, or a list of them.
-std::optional<std::string> words_of(const Json& value) {
+std::optional<std::string> parse_words(const Json& value) {
     if (value.is_string()) return value.get<std::string>();
     if (value.is_number_unsigned()) return value.dump();
     if (!value.is_array()) return std::nullopt;
@@ -134,7 +134,7 @@ private:
         return {};
     }
     Fault read_filter(const std::string& name, const Json& value) {
-        const auto words = words_of(value);
+        const auto words = parse_words(value);
         if (!words) return "\"" + name + "\" must be text or a list of texts";
         has_direction_ = has_direction_ || name == "direction";
         fields_.push_back({name, *words});

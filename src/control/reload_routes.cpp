@@ -76,14 +76,14 @@ void add_reload_routes(http::Routes& routes, Reload& reload) {
     const auto ask = [&reload](const http::Request& request) {
         const auto read = read_request(request);
         if (const auto* fault = std::get_if<std::string>(&read)) return refused(400, *fault, "invalid");
-        return http::later([&reload, asked = std::get<ReloadRequest>(read)](const std::function<void(http::Response)>& say) {
-            reload.reload(asked, [say](const ReloadOutcome& outcome) { say(answer_of(outcome)); });
+        return http::later([&reload, asked = std::get<ReloadRequest>(read)](const std::function<void(http::Response)>& respond) {
+            reload.reload(asked, [respond](const ReloadOutcome& outcome) { respond(answer_of(outcome)); });
         });
     };
     const auto confirm = [&reload](const http::Request&) {
-        return http::later([&reload](const std::function<void(http::Response)>& say) {
-            reload.confirm([say](const std::string& refusal) {
-                say(refusal.empty() ? json_response(200, {{"confirmed", true}}) : refused(409, refusal, "refused"));
+        return http::later([&reload](const std::function<void(http::Response)>& respond) {
+            reload.confirm([respond](const std::string& refusal) {
+                respond(refusal.empty() ? json_response(200, {{"confirmed", true}}) : refused(409, refusal, "refused"));
             });
         });
     };

@@ -95,7 +95,7 @@ std::variant<UniqueFd, http::Response> open_map(const std::string& path) {
     return file;
 }
 
-http::Response map_answer(DiskWorks& disk, const MapSettings& map, const Request& request) {
+http::Response map_answer(TaskPool& disk, const MapSettings& map, const Request& request) {
     if (map.file.empty()) return http::error(404, "there is no map: set control.map to a map file");
     return served(disk, request, {.open = [path = map.file] { return open_map(path); }, .type = "application/vnd.pmtiles"});
 }
@@ -106,7 +106,7 @@ http::Response metrics_answer(const Request& request, Gateway& gateway, const Ne
     response.type = content_type(form);
     MetricsSnapshot snapshot = metrics_snapshot(gateway, gateway.now());
     snapshot.wrong_tokens = door.wrong_tokens;
-    snapshot.gave_way = door.gave_way;
+    snapshot.evicted = door.evicted;
     snapshot.guessing_clients = door.guessing_clients;
     for (const ActiveAlarm& alarm : devices.alarms().watch().active(gateway.now()))
         ++(alarm.level == AlarmLevel::red ? snapshot.red_alarms : snapshot.amber_alarms);
@@ -164,7 +164,7 @@ http::Response join_link(Gateway& gateway, const http::Request& request) {
 
 void add_routes(http::Routes& routes, Gateway& gateway, const std::function<NetworkDoor()>& door, Page page) {
     const auto streams = std::make_shared<Streams>(gateway);
-    const auto disk = std::make_shared<DiskWorks>(gateway.io());
+    const auto disk = std::make_shared<TaskPool>(gateway.io());
     add_page(routes, std::move(page), streams);
     routes.add(
         {"GET", "/status", Access::view,

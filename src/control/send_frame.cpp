@@ -92,7 +92,7 @@ private:
     void left(const Channel& to, ano::FrameView frame) noexcept override {
         if (Copy* copy = find(to, frame)) copy->has_left = true;
     }
-    void gave_up(const Channel& to, ano::FrameView frame, SendCause cause) noexcept override {
+    void discarded(const Channel& to, ano::FrameView frame, SendCause cause) noexcept override {
         Copy* const copy = find(to, frame);
         if (!copy) return;
         copy->cause = row_of(send_counters, cause).name;
@@ -118,7 +118,7 @@ ordered_json place_of(const Gateway& gateway, const Fate::Copy& copy) {
     return place;
 }
 
-http::Response told(const Gateway& gateway, const Fate& fate, bool ends_here) {
+http::Response response_for(const Gateway& gateway, const Fate& fate, bool ends_here) {
     ordered_json json{{"sent", ordered_json::array()}, {"waiting", ordered_json::array()}, {"dropped", ordered_json::array()}};
     std::string reasons;
     for (const Fate::Copy& copy : fate.copies()) {
@@ -157,7 +157,7 @@ http::Response send_request(Gateway& gateway, const http::Request& request) {
     fate.is_queued();
     gateway.flush();
     gateway.remove_observer(fate);
-    return told(gateway, fate, frame.destination() == gateway.settings().gateway.id && frame.destination() != 0);
+    return response_for(gateway, fate, frame.destination() == gateway.settings().gateway.id && frame.destination() != 0);
 }
 
 }    // namespace anogate

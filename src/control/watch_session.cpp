@@ -26,7 +26,7 @@ public:
     /// The next line; empty: none is waiting.
     std::string next() {
         while (true) {
-            if (const auto record = take_record(rest_)) return line_of(*record);
+            if (const auto record = next_record(rest_)) return line_of(*record);
             auto item = queue_.next(Clock::now());
             if (!item) return {};
             if (auto* lost = std::get_if<LostFrames>(&*item)) return lost_json(*lost);
@@ -63,18 +63,18 @@ public:
         watch_.add(*this, settings_);
     }
     void heard(std::string_view, http::WebSocket::Kind) override {}    // messages of the client are ignored
-    void sent_all() override { give(); }
+    void sent_all() override { send_next_part(); }
 
 protected:
     /// Sends the next item. False: none is waiting.
-    virtual bool give_next(http::WebSocket& socket) = 0;
+    virtual bool send_next(http::WebSocket& socket) = 0;
 
 private:
     void more() override {
-        if (socket_->waiting() == 0) socket_->attempt([this] { give(); });
+        if (socket_->waiting() == 0) socket_->attempt([this] { send_next_part(); });
     }
-    void give() {
-        while (socket_->waiting() < part_size && give_next(*socket_)) {}
+    void send_next_part() {
+        while (socket_->waiting() < part_size && send_next(*socket_)) {}
     }
 
     FrameWatch& watch_;
@@ -87,7 +87,7 @@ using Kind = http::WebSocket::Kind;
 class BinaryWatchSocket final : public WatchSocket {
     using WatchSocket::WatchSocket;
 
-    bool give_next(http::WebSocket& socket) override {
+    bool send_next(http::WebSocket& socket) override {
         auto item = queue.next(Clock::now());
         if (!item) return false;
         if (auto* batch = std::get_if<WatchQueue::Batch>(&*item)) return socket.send(std::move(*batch), Kind::binary);
@@ -102,7 +102,7 @@ public:
     JsonWatchSocket(FrameWatch& watch, FrameFilterSettings settings) : WatchSocket{watch, std::move(settings)}, lines_{queue} {}
 
 private:
-    bool give_next(http::WebSocket& socket) override {
+    bool send_next(http::WebSocket& socket) override {
         std::string line = lines_.next();
         return !line.empty() && socket.send(std::make_shared<const std::string>(std::move(line)), Kind::text);
     }

@@ -90,7 +90,7 @@ public:
         flexible_.before_change([this] { recordings_.catch_up(); });
         control_.add_login_routes();
         reload_.on_reloaded([this](const std::function<void(std::string)>& done) { control_.renew(done); });
-        gateway_.go_on_from(take_handover());
+        gateway_.go_on_from(receive_handover());
         gateway_.before_closing([this] { hand_over(gateway_); });
         signals_.add(SIGUSR1);
         hold_signals(SIG_UNBLOCK, {SIGTERM, SIGHUP, SIGUSR1});
@@ -140,7 +140,7 @@ private:
         watchdog_.start(*interval);
     }
 
-    void tell_hints() {
+    void log_hints() {
         for (const std::string& line : hint_log_.news(gateway_)) log_info("{}", line);
     }
 
@@ -174,7 +174,7 @@ private:
     ControlDoor control_{io_, gateway_.settings().control};
     asio::signal_set signals_;
     Ticker watchdog_{io_, [] { notify_systemd("WATCHDOG=1"); }};
-    Ticker hints_{io_, [this] { tell_hints(); }};
+    Ticker hints_{io_, [this] { log_hints(); }};
     HintLog hint_log_;
     bool stopped_ = false;    // all parts have stopped: no more waits for signals
     int status_ = 0;
@@ -186,13 +186,13 @@ std::string source_of(const CommandLine& line) {
 }
 
 // If the file was not confirmed and has not changed since, a restart runs the previous configuration.
-ConfigState::Runs take_kept_config(CommandLine& line, int argc, char** argv) {
+ConfigState::Runs apply_kept_config(CommandLine& line, int argc, char** argv) {
     const std::string path = kept_config_path(line.config_file);
     std::string fault;
     const auto kept = kept_config(path, fault);
     if (!fault.empty())
-        say(Priority::warning,
-            "anogated: the configuration stored for a restart is not used: " + fault + "; running " + line.config_file + "\n");
+        print_lines(Priority::warning, "anogated: the configuration stored for a restart is not used: " + fault + "; running " +
+                                           line.config_file + "\n");
     if (!kept) return ConfigState::Runs::file;
     if (!have_same_texts(kept->unconfirmed, line.files)) {
         forget_config(path);
@@ -200,7 +200,7 @@ ConfigState::Runs take_kept_config(CommandLine& line, int argc, char** argv) {
     }
     auto before = parse_command_line(argc, argv, default_config_file(), &kept->confirmed);
     if (const Exit* exit = std::get_if<Exit>(&before)) {
-        say(Priority::warning, exit->text + "anogated: running the unconfirmed " + line.config_file + "\n");
+        print_lines(Priority::warning, exit->text + "anogated: running the unconfirmed " + line.config_file + "\n");
         return ConfigState::Runs::file;
     }
     line = std::get<CommandLine>(std::move(before));
@@ -219,21 +219,21 @@ ReadAgain read_again(int argc, char** argv) {
 int run(int argc, char** argv) {
     auto parsed = parse_command_line(argc, argv);
     if (const Exit* exit = std::get_if<Exit>(&parsed)) {
-        if (exit->code != 0) say(Priority::error, exit->text);
+        if (exit->code != 0) print_lines(Priority::error, exit->text);
         else if (!(std::cout << exit->text << std::flush)) return 1;
         return exit->code;
     }
     CommandLine& line = std::get<CommandLine>(parsed);
-    if (line.check) say(Priority::warning, line.warnings);
+    if (line.check) print_lines(Priority::warning, line.warnings);
     if (line.print_config && !(std::cout << print_config(line.settings) << std::flush)) {
-        say(Priority::error, "anogated: the configuration could not be written\n");
+        print_lines(Priority::error, "anogated: the configuration could not be written\n");
         return 1;
     }
     if (line.check || line.print_config) return 0;
     hold_signals(SIG_BLOCK, {SIGTERM});
     std::signal(SIGPIPE, SIG_IGN);
     fill_standard_files();
-    const ConfigState::Runs runs = line.config_file.empty() ? ConfigState::Runs::file : take_kept_config(line, argc, argv);
+    const ConfigState::Runs runs = line.config_file.empty() ? ConfigState::Runs::file : apply_kept_config(line, argc, argv);
     start_log(line.settings.log);
     WrittenValues kept;
     if (is_device(line.settings.gateway)) kept = kept_parameters(kept_parameters_path(line.config_file));
@@ -253,16 +253,16 @@ int run(int argc, char** argv) {
 
 // Ends the program if the system refuses memory or the descriptors of the loop, because a retry would not help.
 int run_program(int argc, char** argv) {
-    take_rooms_from_the_system();
+    map_rooms_separately();
     hold_signals(SIG_BLOCK, {SIGHUP, SIGUSR1});
     let_sigterm_end_at_once();
     int status = 1;
     try {
         status = run(argc, argv);
     } catch (const std::bad_alloc&) {
-        say(Priority::error, "anogated: out of memory\n");
+        print_lines(Priority::error, "anogated: out of memory\n");
     } catch (const std::exception& error) {
-        say(Priority::error, std::string{"anogated: "} + error.what() + "\n");
+        print_lines(Priority::error, std::string{"anogated: "} + error.what() + "\n");
     }
     if (!end_log()) ::_exit(status);
     return status;

@@ -76,14 +76,14 @@ bool Commands::values_of(const Command& row, Bytes bytes, FrameView frame) {
 Outcome Commands::take(const View<"command_query">& question, Reply& reply) {
     const std::uint16_t val = question.get<"val">();
     switch (question.get<"cmd">()) {
-    case query_count: return tell_count(question, reply);
+    case query_count: return send_count(question, reply);
     case query_describe: return val < rows_.size() ? describe(val, reply) : Outcome::unknown;
     default: return Outcome::unknown;
     }
 }
 
 // As with parameters: the answer has the form of the question, and another device must not answer it as a question.
-Outcome Commands::tell_count(const View<"command_query">& question, Reply& reply) const {
+Outcome Commands::send_count(const View<"command_query">& question, Reply& reply) const {
     const bool asked_by_host = reply.asker().address == address::host;
     if (!asked_by_host && (question.get<"val">() != 0 || rows_.empty())) return Outcome::unanswered;
     Draft<"command_query"> answer;

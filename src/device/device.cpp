@@ -109,11 +109,11 @@ void Device::end_firmware_step(TimePoint now) {
 Outcome Device::parameter_command(FrameView frame, Reply& reply) {
     if (const auto action = as<"parameter_command", "action">(frame)) return parameters_.take(*action, reply);
     return with<"parameter_command">(frame, [&](const auto& question) {
-        return question.template get<"cmd">() == cmd_info ? tell_info(reply) : parameters_.take(question, reply);
+        return question.template get<"cmd">() == cmd_info ? send_info(reply) : parameters_.take(question, reply);
     });
 }
 
-Outcome Device::tell_info(Reply& reply) const {
+Outcome Device::send_info(Reply& reply) const {
     Draft<"device_info"> answer;
     const bool all = answer.set<"dev_id">(info_.id) && answer.set<"hw_ver">(info_.hw_ver) && answer.set<"sw_ver">(info_.sw_ver) &&
                      answer.set<"bl_ver">(info_.bl_ver) && answer.set<"pt_ver">(info_.pt_ver) &&

@@ -39,12 +39,12 @@ Outcome Firmware::take(const View<"firmware", "info">& view, Reply& reply) {
     if (flash_.max_size == 0) return Outcome::unknown;
     if (due_) return Outcome::refused;
     const ImageInfo info = info_of(view);
-    if (!is_ours(info)) return tell(reply, info_refused);
+    if (!is_ours(info)) return send_code(reply, info_refused);
     image_ = info;
     order_ = profile_.firmware_order;
     state_ = State::accepted;
     asker_ = reply.asker();
-    return tell(reply, info_accepted);
+    return send_code(reply, info_accepted);
 }
 
 Outcome Firmware::take(const FirmwareCode& code, TimePoint now, Reply& reply) {
@@ -59,9 +59,9 @@ Outcome Firmware::take(const FirmwareCode& code, TimePoint now, Reply& reply) {
 Outcome Firmware::erase(TimePoint now, Reply& reply) {
     if (due_) return Outcome::refused;
     const bool in_turn = state_ != State::idle && asker_ == reply.asker();
-    if (!in_turn) return tell(reply, erase_failed);
+    if (!in_turn) return send_code(reply, erase_failed);
     state_ = State::erasing;
-    if (flash_.erase_time <= Duration::zero()) return tell(reply, end_erasing());
+    if (flash_.erase_time <= Duration::zero()) return send_code(reply, end_erasing());
     due_ = now + flash_.erase_time;
     return Outcome::later;
 }
@@ -80,13 +80,13 @@ Outcome Firmware::take(const View<"firmware", "image">& frame, Reply& reply) {
     const std::uint16_t number = frame.get<"frame_num">();
     const bool in_turn = state_ == State::receiving && asker_ == reply.asker();
     const bool done = in_turn && store(number, frame.get<"data">());
-    const auto tell_of_frame = [&](auto answer) {
+    const auto send_frame_code = [&](auto answer) {
         const bool fits = answer.template set<"code">(done ? frame_written : frame_failed) &&
                           answer.template set<"frame_num">(number);
         return fits ? reply.send(answer) : Outcome::unknown;
     };
-    if (order_ == ByteOrder::big) return tell_of_frame(Draft<"firmware", "reading_written">{});
-    return tell_of_frame(Draft<"firmware", "written">{});
+    if (order_ == ByteOrder::big) return send_frame_code(Draft<"firmware", "reading_written">{});
+    return send_frame_code(Draft<"firmware", "written">{});
 }
 
 // A repeated frame is no error: the answer "written" was lost. A different frame with the same number is one, since flash is
@@ -108,11 +108,12 @@ bool Firmware::store(std::size_t number, Bytes bytes) {
 
 Outcome Firmware::check(TimePoint now, Reply& reply) {
     if (due_) return Outcome::refused;
-    if (asker_ != reply.asker()) return tell(reply, check_failed);
-    if (state_ == State::passed) return tell(reply, check_passed);    // the answer was lost: the image is not installed twice
-    if (state_ != State::receiving) return tell(reply, check_failed);
+    if (asker_ != reply.asker()) return send_code(reply, check_failed);
+    if (state_ == State::passed)
+        return send_code(reply, check_passed);    // the answer was lost: the image is not installed twice
+    if (state_ != State::receiving) return send_code(reply, check_failed);
     state_ = State::checking;
-    if (flash_.check_time <= Duration::zero()) return tell(reply, end_checking());
+    if (flash_.check_time <= Duration::zero()) return send_code(reply, end_checking());
     due_ = now + flash_.check_time;
     return Outcome::later;
 }

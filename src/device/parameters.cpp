@@ -91,8 +91,8 @@ bool Parameters::has(std::uint16_t id) {
 Outcome Parameters::take(const View<"parameter_command">& question, Reply& reply) {
     const std::uint16_t val = question.get<"val">();
     switch (question.get<"cmd">()) {
-    case cmd_count: return tell_count(question, reply);
-    case cmd_value: return has(val) ? tell_value(val, reply) : Outcome::unknown;
+    case cmd_count: return send_count(question, reply);
+    case cmd_value: return has(val) ? send_value(val, reply) : Outcome::unknown;
     case cmd_describe: return has(val) ? describe(val, reply) : Outcome::unknown;
     default: return Outcome::unknown;
     }
@@ -100,7 +100,7 @@ Outcome Parameters::take(const View<"parameter_command">& question, Reply& reply
 
 // The answer has the form of the question, so two devices would answer each other forever. Therefore only a host may ask with any
 // val (which has no meaning in the protocol text), and only a host gets the answer that there are no parameters.
-Outcome Parameters::tell_count(const View<"parameter_command">& question, Reply& reply) {
+Outcome Parameters::send_count(const View<"parameter_command">& question, Reply& reply) {
     const bool asked_by_host = reply.asker().address == address::host;
     if (!asked_by_host && (question.get<"val">() != 0 || rows_.empty())) return Outcome::unanswered;
     Draft<"parameter_command"> answer;
@@ -108,7 +108,7 @@ Outcome Parameters::tell_count(const View<"parameter_command">& question, Reply&
     return reply.send(answer);
 }
 
-Outcome Parameters::tell_value(std::uint16_t id, Reply& reply) {
+Outcome Parameters::send_value(std::uint16_t id, Reply& reply) {
     const Parameter& row = rows_[id];
     const Value value = row.get();
     if (value.index() != row.initial.index()) return Outcome::refused;    // `get` returned another type
@@ -123,8 +123,8 @@ Outcome Parameters::tell_value(std::uint16_t id, Reply& reply) {
 }
 
 Outcome Parameters::describe(std::uint16_t id, Reply& reply) {
-    if (profile_.old_layouts) return describe_as_of_old(id, reply);
-    if (profile_.scaled_values) return describe_scaled(id, reply);
+    if (profile_.old_layouts) return send_old_description(id, reply);
+    if (profile_.scaled_values) return send_scaled_description(id, reply);
     const Parameter& row = rows_[id];
     Draft<"parameter_info"> answer;
     const bool all = answer.set<"par_id">(id) && answer.set<"par_type">(par_type_of(row.type)) &&
@@ -133,7 +133,7 @@ Outcome Parameters::describe(std::uint16_t id, Reply& reply) {
     return all ? reply.send(answer) : Outcome::unknown;
 }
 
-Outcome Parameters::describe_as_of_old(std::uint16_t id, Reply& reply) const {
+Outcome Parameters::send_old_description(std::uint16_t id, Reply& reply) const {
     const Parameter& row = rows_[id];
     Draft<"parameter_info", "old"> answer;
     const bool is_text = row.type == Type::text;
@@ -144,7 +144,7 @@ Outcome Parameters::describe_as_of_old(std::uint16_t id, Reply& reply) const {
 }
 
 // The range is that of the value without the factor.
-Outcome Parameters::describe_scaled(std::uint16_t id, Reply& reply) const {
+Outcome Parameters::send_scaled_description(std::uint16_t id, Reply& reply) const {
     const Parameter& row = rows_[id];
     const bool is_text = row.type == Type::text;
     Draft<"parameter_info", "scaled"> answer;

@@ -6,10 +6,10 @@
 namespace anogate {
 namespace {
 
-template <typename Told>
-bool are_same(const std::vector<Told>& a, const std::vector<Told>& b) {
+template <typename Items>
+bool are_same(const std::vector<Items>& a, const std::vector<Items>& b) {
     return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                      [](const Told& one, const Told& other) { return one.is_same(other); });
+                      [](const Items& one, const Items& other) { return one.is_same(other); });
 }
 
 }    // namespace
@@ -24,8 +24,8 @@ void AlarmFeed::forget(std::uint8_t address, ano::TimePoint now) {
     look_soon(now);
 }
 
-void AlarmFeed::hear(std::uint8_t source, const ano::Reading& reading, ano::TimePoint now, bool raises_only) {
-    if (watch_.hear(source, reading, now, raises_only)) look_soon(now);
+void AlarmFeed::receive(std::uint8_t source, const ano::Reading& reading, ano::TimePoint now, bool raises_only) {
+    if (watch_.receive(source, reading, now, raises_only)) look_soon(now);
 }
 
 void AlarmFeed::look_soon(ano::TimePoint now) { look_at(now + between_looks); }
@@ -39,23 +39,23 @@ void AlarmFeed::look(std::vector<WatchedDevice> devices, ano::TimePoint now) {
     due_.reset();
     if (stood_still) return look_soon(now);
     auto active = watch_.active(now);
-    const bool is_same = are_same(active, told_) && are_same(devices, told_devices_);
-    bool tells_again = !active.empty();
-    told_as_heard_.reset();
+    const bool is_same = are_same(active, sent_alarms_) && are_same(devices, sent_devices_);
+    bool must_resend = !active.empty();
+    sent_as_present_.reset();
     for (const WatchedDevice& device : devices) {
-        told_as_heard_[device.address] = !device.is_lost;
+        sent_as_present_[device.address] = !device.is_lost;
         if (!device.is_lost) look_at(std::max(device.lost_at, now + between_looks));
-        else if (!device.was_locked() || now - device.heard_at < tells_locked) tells_again = true;
+        else if (!device.was_locked() || now - device.heard_at < locked_reported_for) must_resend = true;
     }
     if (watch_.any_beyond()) look_soon(now);
-    if (!is_same || (tells_again && now - told_at_ >= told_every)) {
-        told_ = std::move(active);
-        told_devices_ = std::move(devices);
-        told_at_ = now;
+    if (!is_same || (must_resend && now - sent_at_ >= resend_interval)) {
+        sent_alarms_ = std::move(active);
+        sent_devices_ = std::move(devices);
+        sent_at_ = now;
         ++version_;
         clients_.wake();
     }
-    if (tells_again) look_at(told_at_ + told_every);
+    if (must_resend) look_at(sent_at_ + resend_interval);
 }
 
 }    // namespace anogate

@@ -17,9 +17,9 @@ class AlarmFeed {
 public:
     static constexpr ano::Duration between_looks = std::chrono::milliseconds{100};
     /// Alarms are sent again after this time even if they are the same, since their times have changed. Lost devices too, but
-    /// those that were locked only until `tells_locked`.
-    static constexpr ano::Duration told_every = std::chrono::seconds{1};
-    static constexpr ano::Duration tells_locked = std::chrono::minutes{1};
+    /// those that were locked only until `locked_reported_for`.
+    static constexpr ano::Duration resend_interval = std::chrono::seconds{1};
+    static constexpr ano::Duration locked_reported_for = std::chrono::minutes{1};
     /// A look() that is this late judges no device: the gateway was stalled, and frames of the devices may wait to be read.
     static constexpr ano::Duration too_late = std::chrono::milliseconds{500};
 
@@ -29,10 +29,10 @@ public:
     void set(std::uint8_t address, const AlarmLimits::List& limits, ano::TimePoint now);
     void forget(std::uint8_t address, ano::TimePoint now);
     /// See AlarmWatch::hear().
-    void hear(std::uint8_t source, const ano::Reading& reading, ano::TimePoint now, bool raises_only);
+    void receive(std::uint8_t source, const ano::Reading& reading, ano::TimePoint now, bool raises_only);
 
     /// Whether there are clients that still see this device as lost: then look_soon() must be called for its telemetry.
-    bool awaits(std::uint8_t address) const noexcept { return !clients_.empty() && !told_as_heard_[address]; }
+    bool awaits(std::uint8_t address) const noexcept { return !clients_.empty() && !sent_as_present_[address]; }
     void look_soon(ano::TimePoint now);
 
     /// When to call look(); std::nullopt: not needed.
@@ -41,8 +41,8 @@ public:
     void look(std::vector<WatchedDevice> devices, ano::TimePoint now);
 
     /// The alarms at the last look(), as sent to all clients.
-    const std::vector<ActiveAlarm>& told() const noexcept { return told_; }
-    const std::vector<WatchedDevice>& told_devices() const noexcept { return told_devices_; }
+    const std::vector<ActiveAlarm>& sent_alarms() const noexcept { return sent_alarms_; }
+    const std::vector<WatchedDevice>& sent_devices() const noexcept { return sent_devices_; }
     /// A number that differs after each change of the data sent, or of its times.
     std::uint64_t version() const noexcept { return version_; }
 
@@ -51,11 +51,11 @@ private:
 
     AlarmWatch watch_;
     LineClients clients_;
-    std::vector<ActiveAlarm> told_;
-    std::vector<WatchedDevice> told_devices_;
-    std::bitset<256> told_as_heard_;
+    std::vector<ActiveAlarm> sent_alarms_;
+    std::vector<WatchedDevice> sent_devices_;
+    std::bitset<256> sent_as_present_;
     std::uint64_t version_ = 0;
-    ano::TimePoint told_at_{};
+    ano::TimePoint sent_at_{};
     std::optional<ano::TimePoint> due_;
 };
 

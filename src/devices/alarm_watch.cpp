@@ -42,7 +42,7 @@ AlarmLevel level_of(double value, const AlarmLimit& limit) noexcept {
     return is_beyond(limit.amber) ? AlarmLevel::amber : AlarmLevel::none;
 }
 
-void LimitClock::take(double value, const AlarmLimit& limit, ano::TimePoint now) noexcept {
+void LimitClock::update(double value, const AlarmLimit& limit, ano::TimePoint now) noexcept {
     value_ = value;
     heard_at_ = now;
     judge(limit, now);
@@ -84,7 +84,7 @@ void AlarmWatch::forget(std::uint8_t address) noexcept {
     for (auto& value : watched_[address]->values) value.clock = {};
 }
 
-bool AlarmWatch::hear(std::uint8_t source, const ano::Reading& reading, ano::TimePoint now, bool raises_only) noexcept {
+bool AlarmWatch::receive(std::uint8_t source, const ano::Reading& reading, ano::TimePoint now, bool raises_only) noexcept {
     if (!reading || !watched_[source]) return false;
     bool concerns_alarms = false;
     for (auto& value : watched_[source]->values) {
@@ -96,7 +96,7 @@ bool AlarmWatch::hear(std::uint8_t source, const ano::Reading& reading, ano::Tim
         const AlarmLevel level = level_of(divided(number, value.limit), value.limit);
         if (raises_only && (level == AlarmLevel::none || level < value.clock.edge())) continue;
         const bool was_beyond = value.clock.is_beyond();
-        value.clock.take(number, value.limit, now);
+        value.clock.update(number, value.limit, now);
         concerns_alarms = concerns_alarms || was_beyond || value.clock.is_beyond();
     }
     return concerns_alarms;

@@ -29,7 +29,7 @@ AlarmLevel level_of(double value, const AlarmLimit& limit) noexcept;
 class LimitClock {
 public:
     /// `value`: in the unit of the message table.
-    void take(double value, const AlarmLimit& limit, ano::TimePoint now) noexcept;
+    void update(double value, const AlarmLimit& limit, ano::TimePoint now) noexcept;
     /// The limit was changed: judges the last value again.
     void judge(const AlarmLimit& limit, ano::TimePoint now) noexcept;
 
@@ -81,7 +81,7 @@ public:
     /// Ignores frames that can't be decoded, "no data", and fields that are not one number. True: one of its values is beyond its
     /// limit, or was until now. `raises_only`: the frame is not known to be from the device itself, so a value that is better
     /// than the last one is ignored.
-    bool hear(std::uint8_t source, const ano::Reading& reading, ano::TimePoint now, bool raises_only = false) noexcept;
+    bool receive(std::uint8_t source, const ano::Reading& reading, ano::TimePoint now, bool raises_only = false) noexcept;
 
     /// Red ones first, then ordered by device and by its limits.
     std::vector<ActiveAlarm> active(ano::TimePoint now) const;

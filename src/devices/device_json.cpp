@@ -22,7 +22,7 @@ double tenths(double value) { return std::round(value * 10) / 10; }
 Json identity_json(std::uint8_t address, const std::optional<ano::host::DeviceInfo>& info, const DeviceTexts& texts) {
     Json json{{"address", ano::hex_byte(address)}};
     if (!info) return json;
-    json["name"] = texts.shown(info->name);
+    json["name"] = texts.display_text(info->name);
     json["dev_id"] = info->dev_id;
     json["hw"] = info->hw_ver;
     json["sw"] = info->sw_ver;
@@ -48,7 +48,7 @@ std::optional<ano::host::DeviceInfo> identity_in(const Json& json) {
 Json device_json(const DeviceReport& report, ano::TimePoint now) {
     Json json = identity_json(report.heard.address, report.info, report.texts);
     if (report.texts.encoding() == ano::Encoding::gbk) json["encoding"] = "gbk";
-    if (report.texts.contradicts()) json["hint"] = text_of_contradiction;
+    if (report.texts.contradicts()) json["hint"] = encoding_hint;
     if (!report.heard.link.empty()) json["link"] = report.heard.link;
     if (!report.heard.peer.empty()) json["peer"] = report.heard.peer;
     if (report.heard.heard_at) json["age"] = tenths(std::chrono::duration<double>(now - *report.heard.heard_at).count());
@@ -65,7 +65,7 @@ Json device_json(const DeviceReport& report, ano::TimePoint now) {
 }
 
 Json value_json(const AnyValue& value, std::optional<ano::Type> type, const DeviceTexts& texts) {
-    if (const auto* text = std::get_if<std::string>(&value)) return texts.shown(*text);
+    if (const auto* text = std::get_if<std::string>(&value)) return texts.display_text(*text);
     if (const auto* number = std::get_if<double>(&value)) {
         if (std::isnan(*number)) return "nan";    // JSON has no such numbers
         if (std::isinf(*number)) return *number > 0 ? "inf" : "-inf";
@@ -88,7 +88,7 @@ std::optional<AnyValue> value_in(const Json& json, std::optional<ano::Type> type
     return std::visit([](auto plain) { return AnyValue{plain}; }, *number);
 }
 
-std::string_view text_of_type_7(ano::ValueType7 seven) noexcept { return seven == ano::ValueType7::u64 ? "u64" : "f32"; }
+std::string_view to_string(ano::ValueType7 seven) noexcept { return seven == ano::ValueType7::u64 ? "u64" : "f32"; }
 
 std::optional<ano::ValueType7> value_type_7_in(const Json& json) {
     if (json == "f32") return ano::ValueType7::f32;
@@ -101,7 +101,7 @@ Json parameter_json(const ano::host::ParameterInfo& info, const std::optional<An
     Json json{{"id", info.id}};
     const bool came = !info.name.empty() || info.type;
     if (came) {
-        json["name"] = texts.shown(info.name);
+        json["name"] = texts.display_text(info.name);
         json["type"] = info.type ? Json(name_of(*info.type)) : Json(nullptr);
     }
     if (value) json["value"] = value_json(*value, info.type, texts);
@@ -110,7 +110,7 @@ Json parameter_json(const ano::host::ParameterInfo& info, const std::optional<An
         json["max"] = info.limits->max;
     }
     if (info.is_scaled()) json["mul"] = info.mul;
-    if (!info.info.empty()) json["text"] = texts.shown(info.info);
+    if (!info.info.empty()) json["text"] = texts.display_text(info.info);
     if (info.limits) json["older"] = true;
     if (!came || (with_value && !value)) json["missing"] = true;
     return json;

@@ -22,7 +22,7 @@ nlohmann::ordered_json identity_json(std::uint8_t address, const std::optional<a
                                      const DeviceTexts& texts);
 /// Parses the output of identity_json(); std::nullopt: there is no name.
 std::optional<ano::host::DeviceInfo> identity_in(const nlohmann::ordered_json& json);
-inline constexpr std::string_view text_of_contradiction =
+inline constexpr std::string_view encoding_hint =
     "its texts are GBK, not UTF-8, but its link has encoding=utf8: remove that key, or set encoding=gbk";
 nlohmann::ordered_json device_json(const DeviceReport& report, ano::TimePoint now);
 
@@ -33,7 +33,7 @@ nlohmann::ordered_json value_json(const ano::host::AnyValue& value, std::optiona
 std::optional<ano::host::AnyValue> value_in(const nlohmann::ordered_json& json, std::optional<ano::Type> type);
 
 /// "f32" or "u64".
-std::string_view text_of_type_7(ano::ValueType7 seven) noexcept;
+std::string_view to_string(ano::ValueType7 seven) noexcept;
 /// std::nullopt: neither.
 std::optional<ano::ValueType7> value_type_7_in(const nlohmann::ordered_json& json);
 

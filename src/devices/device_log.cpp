@@ -21,7 +21,7 @@ std::string line_text(std::span<const std::uint8_t> bytes) {
 
 }    // namespace
 
-bool DeviceLog::hear(ano::FrameView frame, std::string_view link, std::uint64_t time_ns, Origin origin) noexcept {
+bool DeviceLog::receive(ano::FrameView frame, std::string_view link, std::uint64_t time_ns, Origin origin) noexcept {
     if (frame.id() != ano::id_of<"log"> && frame.id() != ano::id_of<"log_value">) return false;
     if (ano::address::is_host(frame.source())) return false;
     try {

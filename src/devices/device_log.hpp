@@ -44,7 +44,7 @@ public:
 
     /// To be called for each frame received where the route of its source leads; all frames except log lines of devices are
     /// ignored. False: it is not a log line, or memory is short.
-    bool hear(ano::FrameView frame, std::string_view link, std::uint64_t time_ns, Origin origin = Origin::known) noexcept;
+    bool receive(ano::FrameView frame, std::string_view link, std::uint64_t time_ns, Origin origin = Origin::known) noexcept;
 
     /// Oldest first. Valid until the next hear().
     const std::deque<Line>& lines(std::uint8_t address) const noexcept;

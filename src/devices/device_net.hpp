@@ -35,7 +35,7 @@ struct UnitPlace {
 };
 
 /// The configuration for communication with a device.
-struct DeviceManners {
+struct DeviceLimits {
     ano::host::WriteLimits text{};
     std::optional<ano::ValueType7> value_type_7{};    // stated for the link; std::nullopt: from the device's descriptions
     std::optional<ano::Encoding> encoding{};          // of its texts; std::nullopt: detected from them
@@ -69,14 +69,14 @@ public:
     virtual bool is_waiting(std::uint8_t /*address*/) { return false; }
     /// Why no frame to `address` is being sent, as a clause, once that has lasted 3 s; empty: frames are sent, or none waits. To
     /// be called several times a second while a job waits for the device.
-    virtual std::string takes_nothing(std::uint8_t /*address*/) { return {}; }
+    virtual std::string accepts_nothing(std::uint8_t /*address*/) { return {}; }
     /// Whether every passing frame must be passed to DeviceService::hear() from now on.
     virtual void listen(bool wants) = 0;
     /// DeviceService::run() must be called at `at`, or at an earlier time set before.
     virtual void wake(ano::TimePoint at) = 0;
     /// Devices and ports, without hosts.
     virtual std::vector<HeardAddress> heard(ano::TimePoint now) = 0;
-    virtual ano::host::Whereabouts whereabouts(std::uint8_t address, ano::TimePoint now) = 0;
+    virtual ano::host::RouteInfo route_info(std::uint8_t address, ano::TimePoint now) = 0;
     /// The links on which frames of the several devices with `address` were received.
     virtual std::vector<std::string> links_in_conflict(std::uint8_t /*address*/, ano::TimePoint /*now*/) { return {}; }
     /// Whether both addresses are or may be the same device: one is the port on which the other is heard.
@@ -92,7 +92,7 @@ public:
         static const ano::FlexibleLayouts none;
         return none;
     }
-    virtual DeviceManners manners(std::uint8_t /*address*/) { return {}; }
+    virtual DeviceLimits device_limits(std::uint8_t /*address*/) { return {}; }
     /// Whether a request received at `came_at` may have waited during a standstill: then it must not be carried out late.
     virtual bool may_have_waited(ano::TimePoint /*came_at*/) { return false; }
     /// Date and time for people; empty: not known.

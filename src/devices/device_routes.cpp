@@ -33,7 +33,7 @@ namespace anogate {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using ano::host::Deed;
+using ano::host::Operation;
 using http::Access;
 using http::Request;
 using http::Response;
@@ -57,9 +57,9 @@ Json devices_list(DeviceService& service) {
 }
 
 /// A client's request to one device.
-struct Wish {
+struct JobRequest {
     JobKind kind;
-    Deed deed;
+    Operation operation;
     MakeWork work;
     bool at_once = false;    // answered at once with the job, not later with its result
     std::string shared_as{};
@@ -78,31 +78,31 @@ std::string client_of(const Request& request) {
     return clean.empty() ? request.door.peer : request.door.peer.empty() ? clean : clean + " at " + request.door.peer;
 }
 
-Response begin(DeviceService& service, const Request& request, Wish wish) {
+Response begin(DeviceService& service, const Request& request, JobRequest job_request) {
     DeviceNet& net = service.net();
-    if (wish.deed != Deed::read && net.may_have_waited(request.came_at))
+    if (job_request.operation != Operation::read && net.may_have_waited(request.came_at))
         return http::try_again("the gateway was paused and this request expired; please repeat it");
-    const Requester requester = requester_of(request, wish.deed != Deed::read);
+    const Requester requester = requester_of(request, job_request.operation != Operation::read);
     if (!service.has_room_for(requester)) return http::try_again("too many clients are waiting for jobs; try again later");
     const ano::TimePoint now = net.now();
     const auto address = service.address_of(request.parameter("device"), now);
     if (const auto* unknown = std::get_if<NotBegun>(&address)) return answer_of(*unknown);
     JobOrder order{
-        wish.kind,          wish.deed,           std::get<std::uint8_t>(address), request.query_value("force").has_value(),
-        client_of(request), std::move(wish.work)};
-    order.shared_as = std::move(wish.shared_as);
+        job_request.kind,   job_request.operation,      std::get<std::uint8_t>(address), request.query_value("force").has_value(),
+        client_of(request), std::move(job_request.work)};
+    order.shared_as = std::move(job_request.shared_as);
     order.requester = requester;
     const auto begun = service.begin(std::move(order), now);
     if (const auto* refused = std::get_if<NotBegun>(&begun)) return answer_of(*refused);
     const auto& job = std::get<std::shared_ptr<Job>>(begun);
-    return wish.at_once ? job_answer(service, job, request, 202) : answer_of(service, job, request);
+    return job_request.at_once ? job_answer(service, job, request, 202) : answer_of(service, job, request);
 }
 
 Response scan_answer(DeviceService& service, const Request& request) {
     DeviceNet& net = service.net();
     if (net.may_have_waited(request.came_at))
         return http::try_again("the gateway was paused and this request expired; please repeat it");
-    JobOrder order{JobKind::scan, Deed::read, std::nullopt, false, client_of(request), scan};
+    JobOrder order{JobKind::scan, Operation::read, std::nullopt, false, client_of(request), scan};
     order.requester = requester_of(request, false);
     order.result = [&service] { return ano::compact_json(devices_list(service)); };
     const auto begun = service.begin(std::move(order), net.now());
@@ -145,7 +145,7 @@ Response put_parameter(DeviceService& service, const Request& request) {
     if (!longer) return http::error(400, "'longer' must be true or false");
     if (!force) return http::error(400, "'force' must be true or false");
     return begin(service, request,
-                 {JobKind::write, Deed::write,
+                 {JobKind::write, Operation::write,
                   [name = std::string{request.parameter("parameter")}, value = json["value"],
                    limits = ano::host::WriteLimits{.longer = *longer, .beyond_range = *force}](const WorkPlace& place) {
                       return write_parameter(place, name, value, limits);
@@ -168,16 +168,16 @@ Response apply(DeviceService& service, const Request& request) {
                                         std::pair{"longer", &order.longer}, std::pair{"force", &order.force},
                                         std::pair{"goes_on", &order.goes_on}, std::pair{"also_the_same", &order.also_the_same}}) {
             if (!json.contains(key)) continue;
-            const auto said = flag_in(json, key);
-            if (!said) return http::error(400, "'" + std::string{key} + "' must be true or false");
-            *flag = *said;
+            const auto flag_value = flag_in(json, key);
+            if (!flag_value) return http::error(400, "'" + std::string{key} + "' must be true or false");
+            *flag = *flag_value;
         }
     }
     const Json& values = is_long ? json["parameters"] : json;
     for (const auto& [name, value] : values.items())
         if (!is_number_or_text(value)) return http::error(422, ano::in_quotes(name) + " must be a number or text");
     return begin(service, request,
-                 {JobKind::apply, order.dry_run ? Deed::read : Deed::write,
+                 {JobKind::apply, order.dry_run ? Operation::read : Operation::write,
                   [values, order](const WorkPlace& place) { return apply_parameters(place, values, order); }});
 }
 
@@ -232,7 +232,7 @@ Response get_parameters(DeviceService& service, const Request& request) {
     const bool is_shared = !order.words && !order.known;
     const char* const shared_as = order.values ? "all with values" : "all without values";
     return begin(service, request,
-                 {JobKind::parameters, Deed::read, [order](const WorkPlace& place) { return read_parameters(place, order); },
+                 {JobKind::parameters, Operation::read, [order](const WorkPlace& place) { return read_parameters(place, order); },
                   false, is_shared ? shared_as : ""});
 }
 
@@ -244,7 +244,7 @@ void add_parameter_routes(http::Routes& routes, DeviceService& service) {
     routes.add({"GET", "/devices/{device}/parameters/{parameter}", Access::view, "one parameter, by its name or number",
                 [&service](const Request& request) {
                     return begin(service, request,
-                                 {JobKind::parameters, Deed::read,
+                                 {JobKind::parameters, Operation::read,
                                   [name = std::string{request.parameter("parameter")}](const WorkPlace& place) {
                                       return read_parameter(place, name);
                                   }});
@@ -269,7 +269,7 @@ Response act(DeviceService& service, const Request& request) {
     if (json.size() != 1 || (!restores && name != "save"))
         return http::error(400, R"(the body must be {"action": "save"} or {"action": "restore_defaults"})");
     return begin(service, request,
-                 {JobKind::action, restores ? Deed::ground : Deed::write, [restores, name](const WorkPlace& place) {
+                 {JobKind::action, restores ? Operation::ground : Operation::write, [restores, name](const WorkPlace& place) {
                       return anogate::act(place, restores ? Action::restore_defaults : Action::save, name);
                   }});
 }
@@ -301,7 +301,7 @@ Response call(DeviceService& service, const Request& request) {
     if (json.contains("name") && !json["name"].is_string()) return http::error(400, "'name' must be text");
     order.command = request.parameter("command");
     if (json.contains("name")) order.called = json["name"].get<std::string>();
-    return begin(service, request, {JobKind::command, Deed::write, [order = order, values = values](const WorkPlace& place) {
+    return begin(service, request, {JobKind::command, Operation::write, [order = order, values = values](const WorkPlace& place) {
                                         return call_command(place, order, values);
                                     }});
 }
@@ -321,7 +321,7 @@ Response call_the_cid(DeviceService& service, const Request& request) {
     if (constexpr std::size_t max_values = 8; values.size() > max_values)
         return http::error(422, "a command has at most 8 values");
     return begin(service, request,
-                 {JobKind::command, Deed::write, [cid = *cid, values = values, order = order](const WorkPlace& place) {
+                 {JobKind::command, Operation::write, [cid = *cid, values = values, order = order](const WorkPlace& place) {
                       return call_by_cid(place, cid, order, values);
                   }});
 }
@@ -335,7 +335,7 @@ void add_command_routes(http::Routes& routes, DeviceService& service) {
                 "a call, read-only clients do not take its place",
                 [&service](const Request& request) {
                     const bool known = request.query_value("known").has_value();
-                    return begin(service, request, {JobKind::commands, Deed::read, [known](const WorkPlace& place) {
+                    return begin(service, request, {JobKind::commands, Operation::read, [known](const WorkPlace& place) {
                                                         return read_commands(place, known);
                                                     }});
                 },
@@ -361,7 +361,7 @@ Response get_waypoints(DeviceService& service, const Request& request) {
     auto form = form_of(request);
     if (auto* wrong = std::get_if<Response>(&form)) return std::move(*wrong);
     return begin(service, request,
-                 {JobKind::waypoints, Deed::read,
+                 {JobKind::waypoints, Operation::read,
                   [form = std::get<WaypointForm>(form)](const WorkPlace& place) { return read_waypoints(place, form); }});
 }
 
@@ -373,7 +373,7 @@ Response put_waypoints(DeviceService& service, const Request& request) {
     auto waypoints = waypoints_in(std::get<Json>(body), std::get<WaypointForm>(form));
     if (const auto* wrong = std::get_if<std::string>(&waypoints)) return http::error(422, *wrong);
     return begin(service, request,
-                 {JobKind::put_waypoints, Deed::write,
+                 {JobKind::put_waypoints, Operation::write,
                   [all = std::get<std::vector<ano::host::Waypoint>>(std::move(waypoints))](const WorkPlace& place) {
                       return write_waypoints(place, all);
                   }});
@@ -412,7 +412,7 @@ Response flash(DeviceService& service, const Request& request) {
     const auto work = [&service, file = bytes_of(request), crc, force](const WorkPlace& place) {
         return upgrade(place, {file, *crc, force, service.info(place.device.address())});
     };
-    return begin(service, request, {JobKind::firmware, Deed::ground, work, true});
+    return begin(service, request, {JobKind::firmware, Operation::ground, work, true});
 }
 
 Response calibration(DeviceService& service, const Request& request) {
@@ -425,7 +425,7 @@ Response calibration(DeviceService& service, const Request& request) {
         return http::error(400, R"(the body must be {"what": "accelerometer"} or {"what": "compass"})");
     const auto sensor = is_compass ? ano::host::Sensor::compass : ano::host::Sensor::accelerometer;
     const auto work = [sensor](const WorkPlace& place) { return calibrate(place, sensor); };
-    return begin(service, request, {JobKind::calibration, Deed::ground, work, true});
+    return begin(service, request, {JobKind::calibration, Operation::ground, work, true});
 }
 
 void add_long_routes(http::Routes& routes, DeviceService& service) {

@@ -24,7 +24,7 @@ namespace {
 
 using ano::Duration;
 using ano::TimePoint;
-using ano::host::Deed;
+using ano::host::Operation;
 using ano::host::Refusal;
 
 constexpr unsigned not_heard = 404;    // the status of a refusal
@@ -38,7 +38,7 @@ NotBegun not_begun(unsigned status, std::string error) {
     return {status, std::move(error), std::string{http::what_of(status)}, nullptr};
 }
 
-std::string words_of_conflict(std::uint8_t address, const std::vector<std::string>& links) {
+std::string format_conflict(std::uint8_t address, const std::vector<std::string>& links) {
     const std::string device = ano::hex_byte(address);
     std::string heard;
     for (const std::string& link : links) heard += (heard.empty() ? " (seen on " : " and ") + link;
@@ -51,7 +51,7 @@ std::string why(Refusal refusal, std::uint8_t address, const std::vector<std::st
     switch (refusal) {
     case Refusal::no_device: return device + " is not a device address";
     case Refusal::not_known: return device + " was not seen and does not answer";
-    case Refusal::in_conflict: return words_of_conflict(address, links);
+    case Refusal::in_conflict: return format_conflict(address, links);
     case Refusal::on_several_channels:
         return device + " is seen on several links without a common group: a frame to it would be sent to all of them";
     case Refusal::in_the_air: break;
@@ -73,7 +73,7 @@ bool acts_by(const Job& job, std::uint8_t id) {
 // the ground: a calibration would measure its effects, and restore_defaults changes the parameters that it uses.
 bool may_run_beside(const JobOrder& order, const JobOrder& other) {
     if (other.kind == JobKind::firmware) return false;
-    return order.deed == Deed::read || (order.kind == JobKind::command && other.deed != Deed::ground);
+    return order.operation == Operation::read || (order.kind == JobKind::command && other.operation != Operation::ground);
 }
 
 }    // namespace
@@ -91,8 +91,8 @@ void DeviceService::use(TimePoint now) {
     net_.wake(now + idle_after);
 }
 
-bool DeviceService::hear(ano::FrameView frame, TimePoint now) {
-    guard_.hear(frame, now);
+bool DeviceService::receive(ano::FrameView frame, TimePoint now) {
+    guard_.receive(frame, now);
     if (frame.id() == ano::id_of<"firmware">) forget_descriptions(frame);
     try {
         if (ano::writes(frame))
@@ -104,12 +104,12 @@ bool DeviceService::hear(ano::FrameView frame, TimePoint now) {
         using ano::host::Taken;
         bool is_news = false, is_answer = false;
         sent_by_others(frame, now);
-        if (const auto said = ano::as<"device_info">(frame)) {
+        if (const auto reported = ano::as<"device_info">(frame)) {
             is_answer = frame.destination() == own_;    // answers a scan, which asks all devices
-            known->info = {said->get<"dev_id">(), said->get<"hw_ver">(), said->get<"sw_ver">(),
-                           said->get<"bl_ver">(), said->get<"pt_ver">(), std::string{said->get<"name">()}};
+            known->info = {reported->get<"dev_id">(), reported->get<"hw_ver">(), reported->get<"sw_ver">(),
+                           reported->get<"bl_ver">(), reported->get<"pt_ver">(), std::string{reported->get<"name">()}};
         }
-        const auto is_taken_by = [&](const auto& one) {
+        const auto is_accepted_by = [&](const auto& one) {
             if (!one || !one->device) return false;
             const Taken taken = one->device->take(frame, now);
             if (taken == Taken::ended) learn_texts(*one, frame);
@@ -118,22 +118,22 @@ bool DeviceService::hear(ano::FrameView frame, TimePoint now) {
             return taken == Taken::ended;
         };
         // An answer belongs to one question only; the device whose own address it has is tried first.
-        const bool is_over = is_taken_by(known);
+        const bool is_over = is_accepted_by(known);
         learn_texts(*known, frame);
         confirm_info(*known, frame, now);
         report_varying_info(*known, frame.source());
         for (std::uint32_t ports = asked_ports_; ports != 0 && !is_over; ports &= ports - 1)
             if (const auto port = static_cast<std::uint8_t>(std::countr_zero(ports)); answers_at_port(frame.source(), port))
-                is_taken_by(known_[port]);
+                is_accepted_by(known_[port]);
         if (!is_news && frame.destination() == own_ && frame.id() == ano::id_of<"check"> &&
             ano::address::is_port_id(frame.source()))
-            if (const auto waiting = only_one_waiting(); waiting && net_.came_from(*waiting) && is_taken_by(known_[*waiting]))
+            if (const auto waiting = only_one_waiting(); waiting && net_.came_from(*waiting) && is_accepted_by(known_[*waiting]))
                 known->acknowledged_as_port = true;
         for (std::size_t i = 0; at_work_ > 0 && i < jobs_.size(); ++i) {
             const auto& job = jobs_[i];
             if (!job->work) continue;
             const std::uint8_t at = job->order.address.value_or(frame.source());
-            if (at == frame.source() || answers_at_port(frame.source(), at)) job->work->hear(frame, now);
+            if (at == frame.source() || answers_at_port(frame.source(), at)) job->work->receive(frame, now);
         }
         if (is_news) net_.wake(now);
         return is_answer;
@@ -142,7 +142,7 @@ bool DeviceService::hear(ano::FrameView frame, TimePoint now) {
     }
 }
 
-void DeviceService::hear_elsewhere(ano::FrameView frame, const std::string& place) {
+void DeviceService::record_elsewhere(ano::FrameView frame, const std::string& place) {
     if (frame.destination() != own_ || !ano::may_answer(frame.id())) return;
     for (const auto& job : jobs_)
         if (!job->is_over() && job->order.address == frame.source() && job->conflict.empty())
@@ -190,11 +190,11 @@ void DeviceService::learn_texts(Known& known, ano::FrameView frame) noexcept {
 const DeviceTexts& DeviceService::texts(std::uint8_t address) {
     auto& known = known_[address];
     if (!known) known = std::make_unique<Known>();
-    const DeviceManners manners = net_.manners(address);
-    known->texts.configure(manners.encoding, manners.expects_gbk);
-    if (!known->texts.contradicts()) known->told_encoding = false;
-    else if (!std::exchange(known->told_encoding, true))
-        net_.report(ano::hex_byte(address) + ": " + std::string{text_of_contradiction}, true);
+    const DeviceLimits device_limits = net_.device_limits(address);
+    known->texts.configure(device_limits.encoding, device_limits.expects_gbk);
+    if (!known->texts.contradicts()) known->has_logged_encoding = false;
+    else if (!std::exchange(known->has_logged_encoding, true))
+        net_.report(ano::hex_byte(address) + ": " + std::string{encoding_hint}, true);
     return known->texts;
 }
 
@@ -254,7 +254,7 @@ void DeviceService::keep_descriptions() {
 WorkPlace DeviceService::place(const Job& job) {
     if (job.order.address) {
         const auto refused = [this,
-                              order = JobOrder{job.order.kind, job.order.deed, job.order.address, job.order.force, {}, {}}] {
+                              order = JobOrder{job.order.kind, job.order.operation, job.order.address, job.order.force, {}, {}}] {
             const auto why = refusal(order, net_.now());
             return why ? why->error : std::string{};
         };
@@ -262,7 +262,7 @@ WorkPlace DeviceService::place(const Job& job) {
                 !job.order.requester.controls()};
     }
     if (!everybody_) everybody_ = std::make_unique<ano::host::Device>(ano::address::broadcast, own_);
-    return {*everybody_, cache_, commands_, net_, notes_, texts_of_nobody_};
+    return {*everybody_, cache_, commands_, net_, notes_, default_texts_};
 }
 
 std::shared_ptr<Job> DeviceService::holder(std::uint8_t address) const {
@@ -294,8 +294,8 @@ bool DeviceService::may_go_unheard(const JobOrder& order) const {
 std::optional<NotBegun> DeviceService::refusal(const JobOrder& order, TimePoint now) {
     if (!order.address) return std::nullopt;
     const std::uint8_t address = *order.address;
-    const auto where = net_.whereabouts(address, now);
-    auto refused = guard_.refusal(order.deed, address, where, order.force);
+    const auto where = net_.route_info(address, now);
+    auto refused = guard_.refusal(order.operation, address, where, order.force);
     if (!refused && !where.is_known && !(where.was_heard && may_go_unheard(order))) refused = Refusal::not_known;
     if (!refused) return std::nullopt;
     NotBegun told = not_begun(status_of(*refused), why(*refused, address, net_.links_in_conflict(address, now)));
@@ -345,7 +345,7 @@ std::variant<std::shared_ptr<Job>, NotBegun> DeviceService::begin(JobOrder order
     if (refused && !is_unheard) return *std::move(refused);
     if (order.address)
         if (auto has_it = holder(*order.address); has_it && !may_run_beside(order, has_it->order))
-            return NotBegun{409, ano::hex_byte(*order.address) + " is used by " + words_of(*has_it), "busy", has_it};
+            return NotBegun{409, ano::hex_byte(*order.address) + " is used by " + to_string(*has_it), "busy", has_it};
     if (auto same = shared(order)) return same;
     if (order.kind == JobKind::firmware && upgrades() >= max_upgrades)
         return not_begun(503, "other devices are being upgraded; try again later");
@@ -355,7 +355,7 @@ std::variant<std::shared_ptr<Job>, NotBegun> DeviceService::begin(JobOrder order
     job->id = next_id_++;
     job->order = std::move(order);
     job->begins_at = now;
-    if (job->order.deed == Deed::ground) {
+    if (job->order.operation == Operation::ground) {
         job->begins_at = std::max(now, *listens_since_ + listens_before_ground_work);
         job->message = "checking that it is not flying";
     }
@@ -488,7 +488,7 @@ void DeviceService::run(TimePoint now) {
 void DeviceService::advance(const std::shared_ptr<Job>& job, TimePoint now) {
     if (!job->work) {
         if (!is_heard(*job, now) || now < job->begins_at) return;
-        if (const auto refused = refusal(job->order, now); refused && job->order.deed == Deed::ground)
+        if (const auto refused = refusal(job->order, now); refused && job->order.operation == Operation::ground)
             return finish(*job, {refused->status, {}, refused->error, refused->what, {}, false}, now);
         job->work = job->order.work(place(*job));
         ++at_work_;
@@ -564,30 +564,30 @@ std::string DeviceService::remember_limits(std::uint8_t address, const std::stri
     return {};
 }
 
-void DeviceService::hear_log(ano::FrameView frame, std::string_view link, std::uint64_t time_ns, DeviceLog::Origin origin) {
-    if (!log_.hear(frame, link, time_ns, origin) || log_clients_.empty() || log_due_) return;
+void DeviceService::record_log(ano::FrameView frame, std::string_view link, std::uint64_t time_ns, DeviceLog::Origin origin) {
+    if (!log_.receive(frame, link, time_ns, origin) || log_clients_.empty() || log_due_) return;
     log_due_ = net_.now() + between_log_lines;
     await_feeds();
 }
 
-void DeviceService::hear_value(std::uint8_t source, const ano::Reading& reading, TimePoint now, bool raises_only) {
-    alarms_.hear(source, reading, now, raises_only);
+void DeviceService::record_value(std::uint8_t source, const ano::Reading& reading, TimePoint now, bool raises_only) {
+    alarms_.receive(source, reading, now, raises_only);
     await_feeds();
 }
 
-void DeviceService::hear_mode(ano::FrameView frame, TimePoint now) {
+void DeviceService::record_mode(ano::FrameView frame, TimePoint now) {
     const auto mode = ano::as<"mode">(frame);
     if (!mode) return;
-    losses_.hear_mode(frame.source(), mode->get<"sflag">(), now);
+    losses_.record_mode(frame.source(), mode->get<"sflag">(), now);
     note_pace(frame.source(), now);
-    tell_back(frame.source(), now);
+    report_returned(frame.source(), now);
 }
 
-void DeviceService::hear_telemetry(std::uint8_t source, std::uint8_t id, TimePoint now) {
-    losses_.hear(source, id, now);
+void DeviceService::record_telemetry(std::uint8_t source, std::uint8_t id, TimePoint now) {
+    losses_.receive(source, id, now);
     if (!LossWatch::is_telemetry(id)) return;
     note_pace(source, now);
-    tell_back(source, now);
+    report_returned(source, now);
 }
 
 // A Device measures the pace itself.
@@ -595,14 +595,14 @@ void DeviceService::note_pace(std::uint8_t source, TimePoint now) noexcept {
     if (!known_[source] || !known_[source]->device) static_cast<void>(paces_[source].came(now, {}));
 }
 
-void DeviceService::tell_back(std::uint8_t source, TimePoint now) {
+void DeviceService::report_returned(std::uint8_t source, TimePoint now) {
     if (!alarms_.awaits(source) || ano::address::is_host(source)) return;
     alarms_.look_soon(now);
     await_feeds();
 }
 
-void DeviceService::hear_elsewhere(std::uint8_t source, const std::string& place, TimePoint now) {
-    losses_.hear_elsewhere(source, place);
+void DeviceService::record_elsewhere(std::uint8_t source, const std::string& place, TimePoint now) {
+    losses_.record_elsewhere(source, place);
     alarms_.look_soon(now);
     await_feeds();
 }
@@ -620,7 +620,7 @@ std::vector<WatchedDevice> DeviceService::watched(TimePoint now) {
 std::vector<WatchedDevice> DeviceService::lost(TimePoint now) {
     std::vector<WatchedDevice> all = watched(now);
     std::erase_if(all, [now](const WatchedDevice& one) {
-        return !one.is_lost || (one.was_locked() && now - one.heard_at >= AlarmFeed::tells_locked);
+        return !one.is_lost || (one.was_locked() && now - one.heard_at >= AlarmFeed::locked_reported_for);
     });
     return all;
 }
@@ -667,7 +667,7 @@ void DeviceService::write_back(TimePoint now) {
         TimePoint& due = write_back_due_[name];
         bool may_write = true;
         if (now >= due) {
-            const bool may_be_there = net_.whereabouts(*address, now).is_known && !holder(*address);
+            const bool may_be_there = net_.route_info(*address, now).is_known && !holder(*address);
             due = now + (may_be_there ? between_write_backs : until_heard);
             if (const std::string misfit = misfit_of_place(text, net_.unit_place(*address, now), may_be_there); !misfit.empty()) {
                 report_note(name, name + " is not used: it is " + misfit, true);
@@ -676,7 +676,7 @@ void DeviceService::write_back(TimePoint now) {
             }
             const auto work = [name = name](const WorkPlace& place) { return write_old_values_back(place, name); };
             if (may_be_there && may_write) {
-                const auto begun = begin({JobKind::calibration, Deed::ground, *address, false, "the gateway", work}, now);
+                const auto begun = begin({JobKind::calibration, Operation::ground, *address, false, "the gateway", work}, now);
                 if (const auto* job = std::get_if<std::shared_ptr<Job>>(&begun))
                     (*job)->on_end.push_back([this, name = name](const Job& ended) {
                         const bool is_done = ended.state == JobState::done;
@@ -690,7 +690,7 @@ void DeviceService::write_back(TimePoint now) {
 
 // Reports a text about a note only once, since it is tried every minute.
 void DeviceService::report_note(const std::string& name, const std::string& text, bool is_warning) {
-    if (std::exchange(said_of_note_[name], text) != text) net_.report(text, is_warning);
+    if (std::exchange(last_reports_[name], text) != text) net_.report(text, is_warning);
 }
 
 // A refusal of one frame applies to all frames of its kind; a frame that changes the device belongs to the commands, or to the
@@ -759,7 +759,7 @@ void DeviceService::finish(Job& job, WorkEnd end, TimePoint now) {
         ask_who_it_is(*job.order.address, now, curious_);
     if (job.order.kind == JobKind::calibration && !notes_.all().empty()) write_back_soon(now);
     used_at_ = now;
-    if (tells_end_) tells_end_(job);
+    if (on_end_) on_end_(job);
     for (const auto& told : std::exchange(job.on_end, {})) told(job);
     changed(job);
     forget_results();
@@ -786,9 +786,9 @@ void DeviceService::changed(Job& job) {
 void DeviceService::look(Job& job, TimePoint now) {
     if (!job.work) return;
     const JobState state = job.work->is_waiting() ? JobState::waiting : JobState::running;
-    if (state == job.state && now - job.told_at < between_progress) return;
+    if (state == job.state && now - job.reported_at < between_progress) return;
     std::string message = job.work->message(), step = job.work->step();
-    if (job.order.address) job.stopped = net_.takes_nothing(*job.order.address);
+    if (job.order.address) job.stopped = net_.accepts_nothing(*job.order.address);
     if (!job.stopped.empty()) message += "; " + job.stopped;
     const ano::host::Progress progress = job.work->progress();
     const bool is_news = state != job.state || message != job.message || step != job.step || progress.done != job.progress.done ||
@@ -798,7 +798,7 @@ void DeviceService::look(Job& job, TimePoint now) {
     job.message = std::move(message);
     job.step = std::move(step);
     job.progress = progress;
-    job.told_at = now;
+    job.reported_at = now;
     changed(job);
 }
 
@@ -866,8 +866,8 @@ std::variant<std::uint8_t, NotBegun> DeviceService::address_of(std::string_view 
     if (const auto* address = std::get_if<std::uint8_t>(&called)) return *address;
     std::optional<std::uint8_t> named;
     for (const HeardAddress& one : heard(now)) {
-        const auto said = info(one.address);
-        if (!said || !texts(one.address).is(said->name, word)) continue;
+        const auto reported = info(one.address);
+        if (!reported || !texts(one.address).is(reported->name, word)) continue;
         if (named) return not_begun(409, "several devices have the name " + ano::in_quotes(word) + ": use the address");
         named = one.address;
     }

@@ -88,10 +88,10 @@ public:
 
     /// To be called for each passing frame that is not from this host. Sends nothing. True: the frame answers this host, even if
     /// late or repeated.
-    bool hear(ano::FrameView frame, ano::TimePoint now);
+    bool receive(ano::FrameView frame, ano::TimePoint now);
     /// The same for a frame that was received at `place` although the route of its source leads elsewhere: it is not trusted, and
     /// running jobs for that device report it.
-    void hear_elsewhere(ano::FrameView frame, const std::string& place);
+    void record_elsewhere(ano::FrameView frame, const std::string& place);
     /// The device did not carry out the action of a job, and reported the reason outside the protocol.
     void refuse(std::uint8_t address, const std::string& why, ano::TimePoint now);
     /// The link to the device at `address` was down, or is another one now: the data read before may belong to another device.
@@ -134,33 +134,33 @@ public:
     bool remember(std::string name, std::string text);
 
     /// `call` is called for each job that has ended, before its waiting clients.
-    void on_end(std::function<void(const Job&)> call) { tells_end_ = std::move(call); }
+    void on_end(std::function<void(const Job&)> call) { on_end_ = std::move(call); }
 
     /// To be called for each log frame received where the route of its source leads, whether or not the service listens; see
     /// DeviceLog::hear().
-    void hear_log(ano::FrameView frame, std::string_view link, std::uint64_t time_ns,
-                  DeviceLog::Origin origin = DeviceLog::Origin::known);
+    void record_log(ano::FrameView frame, std::string_view link, std::uint64_t time_ns,
+                    DeviceLog::Origin origin = DeviceLog::Origin::known);
     const DeviceLog& log() const noexcept { return log_; }
     /// The clients that follow the log; woken at most every `between_log_lines`.
     LineClients& log_clients() noexcept { return log_clients_; }
 
     /// To be called for each passing frame of a message for which alarms().watch().wants() is true, whether or not the service
     /// listens. `raises_only`: see AlarmWatch::hear().
-    void hear_value(std::uint8_t source, const ano::Reading& reading, ano::TimePoint now, bool raises_only = false);
+    void record_value(std::uint8_t source, const ano::Reading& reading, ano::TimePoint now, bool raises_only = false);
     /// To be called for each frame `mode` received where the route of its source leads, whether or not the service listens.
-    void hear_mode(ano::FrameView frame, ano::TimePoint now);
+    void record_mode(ano::FrameView frame, ano::TimePoint now);
     /// The same for each other frame.
-    void hear_telemetry(std::uint8_t source, std::uint8_t id, ano::TimePoint now);
+    void record_telemetry(std::uint8_t source, std::uint8_t id, ano::TimePoint now);
     /// A frame with the address of a device that stays_lost() was received at `place`, and is not known to be from the device:
     /// the place is reported until the device is heard.
-    void hear_elsewhere(std::uint8_t source, const std::string& place, ano::TimePoint now);
-    bool is_told_elsewhere(std::uint8_t source) const noexcept { return losses_.is_told_elsewhere(source); }
+    void record_elsewhere(std::uint8_t source, const std::string& place, ano::TimePoint now);
+    bool was_received_elsewhere(std::uint8_t source) const noexcept { return losses_.was_received_elsewhere(source); }
     /// See LossWatch::stays_lost().
     bool stays_lost(std::uint8_t address) const noexcept { return losses_.stays_lost(address); }
     /// Vehicles, and devices that sent telemetry, until forget_values(); by address.
     std::vector<WatchedDevice> watched(ano::TimePoint now);
     /// The watched devices that are not heard any more, for clients that joined after the loss. A locked one is reported for
-    /// AlarmFeed::tells_locked, any other one until it is heard again or forget_values() is called.
+    /// AlarmFeed::locked_reported_for, any other one until it is heard again or forget_values() is called.
     std::vector<WatchedDevice> lost(ano::TimePoint now);
     /// The device was switched off: none of its values is in alarm until it is received again, and the device does not count as
     /// lost. False: it was not watched.
@@ -190,12 +190,12 @@ private:
         std::optional<ano::TimePoint> heard_at{};
         ano::TimePoint asked_until{};    // to learn whether it is present
         DeviceTexts texts;
-        bool told_encoding = false;    // logged that the texts contradict the key of the link
-        bool told_varying = false;     // logged that its device info varies
-        std::uint32_t presence = 0;    // of the device that `texts` belongs to
-        std::uint32_t signs = 0;       // of the device that `info` belongs to
-        bool in_doubt = false;         // the link was down since `info`
-        unsigned acted_before = 0;     // jobs with a lower id began before the last frame that changed the device
+        bool has_logged_encoding = false;    // logged that the texts contradict the key of the link
+        bool told_varying = false;           // logged that its device info varies
+        std::uint32_t presence = 0;          // of the device that `texts` belongs to
+        std::uint32_t signs = 0;             // of the device that `info` belongs to
+        bool in_doubt = false;               // the link was down since `info`
+        unsigned acted_before = 0;           // jobs with a lower id began before the last frame that changed the device
     };
 
     struct Nobody final : ano::host::Asker {
@@ -234,7 +234,7 @@ private:
     void changed(Job& job);
     void await(ano::TimePoint now);
     void note_pace(std::uint8_t source, ano::TimePoint now) noexcept;
-    void tell_back(std::uint8_t source, ano::TimePoint now);
+    void report_returned(std::uint8_t source, ano::TimePoint now);
     void run_feeds(ano::TimePoint now);
     void await_feeds();
     std::optional<ano::TimePoint> known_until(ano::TimePoint now) const;
@@ -267,7 +267,7 @@ private:
     ano::host::CommandCache commands_;
     ano::host::AirGuard guard_;
     std::unique_ptr<ano::host::Device> everybody_;    // for scans
-    DeviceTexts texts_of_nobody_;
+    DeviceTexts default_texts_;
     std::vector<std::shared_ptr<Job>> jobs_;
     std::size_t at_work_ = 0;    // jobs that have started and not ended
     unsigned next_id_ = 1;
@@ -275,9 +275,9 @@ private:
     ano::TimePoint used_at_{};
     std::shared_ptr<std::list<Requester>> waiting_clients_ = std::make_shared<std::list<Requester>>();
     std::map<std::string, ano::TimePoint> write_back_due_;    // by note: the next attempt
-    std::map<std::string, std::string> said_of_note_;         // by note: the last report
+    std::map<std::string, std::string> last_reports_;         // by note: the last report
     std::optional<ano::TimePoint> write_back_at_;             // std::nullopt: nothing to write back
-    std::function<void(const Job&)> tells_end_;
+    std::function<void(const Job&)> on_end_;
     bool runs_ = false;
     bool stopped_ = false;
 };

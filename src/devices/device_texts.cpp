@@ -32,7 +32,7 @@ std::string DeviceTexts::misfit() const {
 }
 
 bool DeviceTexts::is(std::string_view bytes, std::string_view text) const {
-    return bytes == text || shown(bytes) == text || is_once_exported(bytes, text);
+    return bytes == text || display_text(bytes) == text || is_once_exported(bytes, text);
 }
 
 bool DeviceTexts::is_once_exported(std::string_view bytes, std::string_view text) {

@@ -34,7 +34,9 @@ public:
     ano::Encoding encoding() const noexcept { return given_.value_or(learned_.encoding()); }
 
     /// For clients. Leaves out a last character that the device has truncated.
-    std::string shown(std::string_view bytes) const { return ano::shown_text(bytes, given_.value_or(learned_.for_reading())); }
+    std::string display_text(std::string_view bytes) const {
+        return ano::display_text(bytes, given_.value_or(learned_.for_reading()));
+    }
     /// For the device; std::nullopt: its encoding lacks a character.
     std::optional<std::string> bytes(std::string_view text) const noexcept;
     /// The same for a value; numbers are returned unchanged.

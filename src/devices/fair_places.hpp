@@ -28,7 +28,7 @@ bool has_place_for(const Requester& requester, const FairPlaces& places, const A
     for (const Requester& one : all) {
         if (one.controls() != requester.controls() || one.acts != requester.acts) continue;
         ++taken;
-        if (one.party == requester.party) ++own;
+        if (one.client_id == requester.client_id) ++own;
     }
     return places.has_one_for(requester, taken, own);
 }

@@ -92,7 +92,7 @@ std::string_view name_of(JobState state) noexcept { return states[static_cast<st
 
 bool asks_by(JobKind kind, std::uint8_t id) noexcept { return row_of(kind).asks_by == id; }
 
-std::string words_of(const Job& job) {
+std::string to_string(const Job& job) {
     std::string words = "job " + std::to_string(job.id) + " (" + std::string{action_of(job.order.kind)};
     if (!job.order.client.empty()) words += ", by " + job.order.client;
     return words + ")";

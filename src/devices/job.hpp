@@ -36,7 +36,7 @@ enum class JobState : std::uint8_t { running, waiting, done, failed, cancelled }
 /// The client of a job, for assigning places and turns: first by right, then by client.
 struct Requester {
     http::Access access = http::Access::control;
-    http::Party party{};
+    http::ClientId client_id{};
     bool acts = false;    // the job changes the device, or reads data that its client needs for such a job (?to_act)
     bool operator==(const Requester&) const = default;
     constexpr bool controls() const noexcept { return access == http::Access::control; }
@@ -45,7 +45,7 @@ struct Requester {
 /// The action, the device and the client of a job.
 struct JobOrder {
     JobKind kind{};
-    ano::host::Deed deed = ano::host::Deed::read;
+    ano::host::Operation operation = ano::host::Operation::read;
     std::optional<std::uint8_t> address;    // std::nullopt: all devices
     bool force = false;                     // even in flight
     std::string client;                     // name of the client
@@ -76,15 +76,15 @@ struct Job {
     ano::host::Progress progress{};
     ano::TimePoint begins_at{};    // earliest start; until then the service listens whether the job is allowed
     ano::TimePoint ended_at{};
-    std::uint64_t version = 0;    // increased with every change to report
-    ano::TimePoint told_at{};     // last report of progress
-    std::size_t needed_by = 0;    // clients that cancel it when they disconnect
-    bool goes_on = false;         // another client waits that does not cancel it by disconnecting
+    std::uint64_t version = 0;       // increased with every change to report
+    ano::TimePoint reported_at{};    // last report of progress
+    std::size_t needed_by = 0;       // clients that cancel it when they disconnect
+    bool goes_on = false;            // another client waits that does not cancel it by disconnecting
     std::vector<std::function<void(const Job&)>> on_end;
     std::vector<std::function<void()>*> on_change;    // of clients that watch it
 
     bool is_over() const noexcept { return end.has_value(); }
-    bool is_writing() const noexcept { return order.deed != ano::host::Deed::read; }
+    bool is_writing() const noexcept { return order.operation != ano::host::Operation::read; }
 };
 
 std::string_view name_of(JobKind kind) noexcept;
@@ -103,6 +103,6 @@ std::shared_ptr<const std::string> end_line(const Job& job);
 /// `text` (JSON) in the form that every program can read without loss (json_line.hpp).
 std::string exact_json(const std::string& text);
 /// "job 7 (firmware upgrade, by 192.168.1.5)"
-std::string words_of(const Job& job);
+std::string to_string(const Job& job);
 
 }    // namespace anogate

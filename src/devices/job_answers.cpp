@@ -54,11 +54,11 @@ private:
     std::shared_ptr<void> place_;
 };
 
-bool wants_while_connected(const http::Request& request) { return request.query_value("while_connected").has_value(); }
+bool is_bound_to_connection(const http::Request& request) { return request.query_value("while_connected").has_value(); }
 
 std::shared_ptr<WaitingClient> waiting_client(DeviceService& service, const std::shared_ptr<Job>& job,
                                               const http::Request& request, bool may_cancel) {
-    return std::make_shared<WaitingClient>(service, job, may_cancel && wants_while_connected(request),
+    return std::make_shared<WaitingClient>(service, job, may_cancel && is_bound_to_connection(request),
                                            requester_of(request, job->is_writing()));
 }
 
@@ -81,8 +81,8 @@ public:
 
     void start(std::function<void()> wake) override { wake_ = std::move(wake); }
     Next next(std::string& into) override {
-        if (!line_ && told_ != job_->version) {
-            told_ = job_->version;
+        if (!line_ && sent_version_ != job_->version) {
+            sent_version_ = job_->version;
             line_ = job_line(*job_);
             at_ = 0;
         }
@@ -90,7 +90,7 @@ public:
         at_ += into.size();
         if (line_ && at_ < line_->size()) return Next::part;
         line_.reset();
-        if (told_ != job_->version) return Next::part;
+        if (sent_version_ != job_->version) return Next::part;
         return job_->is_over() ? Next::end : Next::later;
     }
 
@@ -99,7 +99,7 @@ private:
     static constexpr std::size_t part = std::size_t{64} * 1024;
 
     std::shared_ptr<WaitingClient> client_;
-    std::optional<std::uint64_t> told_;
+    std::optional<std::uint64_t> sent_version_;
     std::shared_ptr<const std::string> line_;    // being sent
     std::size_t at_ = 0;                         // bytes of it already sent
     std::function<void()> wake_ = [] {};
@@ -121,20 +121,20 @@ public:
 
     void opened(http::WebSocket& socket) override {
         socket_ = &socket;
-        tell();
+        answer();
     }
     void heard(std::string_view, http::WebSocket::Kind) override {}    // the client only receives
-    void sent_all() override { tell(); }
-    bool has_last_words() const override { return true; }
+    void sent_all() override { answer(); }
+    bool closes_itself() const override { return true; }
 
 private:
-    void tell() {
+    void answer() {
         if (socket_ == nullptr || socket_->waiting() > 0) return;
-        if (told_ == job_->version) {
+        if (sent_version_ == job_->version) {
             if (job_->is_over()) socket_->close(1000, "the job has ended");
             return;
         }
-        told_ = job_->version;
+        sent_version_ = job_->version;
         const auto line = job_line(*job_);
         if (!socket_->send(std::make_shared<const std::string>(*line, 0, line->size() - 1), http::WebSocket::Kind::text))
             socket_->close(1009, "the result of the job is too large for a message");
@@ -143,8 +143,8 @@ private:
     std::shared_ptr<Job> job_;
     std::shared_ptr<WaitingClient> client_;
     http::WebSocket* socket_ = nullptr;    // nullptr: not open yet
-    std::optional<std::uint64_t> told_;
-    std::function<void()> wake_ = [this] { tell(); };
+    std::optional<std::uint64_t> sent_version_;
+    std::function<void()> wake_ = [this] { answer(); };
 };
 
 http::Response lines_of(std::shared_ptr<Job> job, std::shared_ptr<WaitingClient> client) {
@@ -158,13 +158,13 @@ bool accepts_lines(const http::Request& request) {
     return request.header("Accept").find(type_of_lines) != std::string_view::npos;
 }
 
-using Tell = http::Response (*)(const Job& job);
+using MakeResponse = http::Response (*)(const Job& job);
 
-http::Response at_its_end(const std::shared_ptr<Job>& job, std::shared_ptr<WaitingClient> client, Tell tell) {
-    if (job->is_over()) return tell(*job);
-    http::Response response = http::later([job, tell](const std::function<void(http::Response)>& say) {
-        if (job->is_over()) return say(tell(*job));
-        job->on_end.push_back([say, tell](const Job& ended) { say(tell(ended)); });
+http::Response at_its_end(const std::shared_ptr<Job>& job, std::shared_ptr<WaitingClient> client, MakeResponse answer) {
+    if (job->is_over()) return answer(*job);
+    http::Response response = http::later([job, answer](const std::function<void(http::Response)>& respond) {
+        if (job->is_over()) return respond(answer(*job));
+        job->on_end.push_back([respond, answer](const Job& ended) { respond(answer(ended)); });
     });
     response.patient = true;
     response.needed = std::move(client);
@@ -175,23 +175,23 @@ http::Response at_its_end(const std::shared_ptr<Job>& job, std::shared_ptr<Waiti
 
 Requester requester_of(const http::Request& request, bool acts) {
     const bool will_act = request.access == http::Access::control && request.query_value("to_act").has_value();
-    return {request.access, http::party_of(request.user, request.door), acts || will_act};
+    return {request.access, http::client_id_of(request.user, request.door), acts || will_act};
 }
 
 http::Response answer_of(DeviceService& service, const std::shared_ptr<Job>& job, const http::Request& request) {
     auto client = waiting_client(service, job, request, true);
-    if (!wants_while_connected(request)) job->goes_on = true;
+    if (!is_bound_to_connection(request)) job->goes_on = true;
     if (accepts_lines(request)) return lines_of(job, std::move(client));
     return at_its_end(job, std::move(client), end_answer);
 }
 
 http::Response job_answer(DeviceService& service, const std::shared_ptr<Job>& job, const http::Request& request,
                           unsigned status) {
-    const bool wants_messages = http::is_web_socket(request);
-    if (!wants_messages && !accepts_lines(request)) return line_answer(status, job_line(*job));
+    const bool is_web_socket_client = http::is_web_socket(request);
+    if (!is_web_socket_client && !accepts_lines(request)) return line_answer(status, job_line(*job));
     if (!service.has_room_for(requester_of(request, job->is_writing())))
         return http::try_again("too many clients are waiting for jobs; try again later");
-    if (!wants_messages) return lines_of(job, watching_client(service, job, request));
+    if (!is_web_socket_client) return lines_of(job, watching_client(service, job, request));
     http::Response response;
     response.web_socket = std::make_unique<JobMessages>(job, watching_client(service, job, request));
     return response;

@@ -41,7 +41,7 @@ std::int32_t whole_in(const RowJson& json, std::int64_t least, std::int64_t most
     return static_cast<std::int32_t>(number);
 }
 
-std::string text_of_hex(const RowJson& json) {
+std::string decode_hex(const RowJson& json) {
     const auto bytes = ano::from_hex(json.get<std::string>());
     if (!bytes) throw std::invalid_argument{"a text of a description"};
     return {bytes->begin(), bytes->end()};
@@ -49,7 +49,7 @@ std::string text_of_hex(const RowJson& json) {
 
 ParameterInfo info_in_row(const RowJson& row, std::uint16_t id) {
     using Limits = std::numeric_limits<std::int32_t>;
-    ParameterInfo info{.id = id, .name = text_of_hex(row.at("name")), .info = text_of_hex(row.at("info"))};
+    ParameterInfo info{.id = id, .name = decode_hex(row.at("name")), .info = decode_hex(row.at("info"))};
     if (!row.at("type").is_null()) info.type = static_cast<ano::Type>(whole_in(row.at("type"), 0, last_type));
     info.layout = static_cast<ParameterLayout>(whole_in(row.at("layout"), 0, last_layout));
     info.mul = whole_in(row.at("mul"), 1, Limits::max());

@@ -87,7 +87,7 @@ void LineClients::wake() const {
         if (std::find(wakes_.begin(), wakes_.end(), one) != wakes_.end()) (*one)();
 }
 
-bool wants_lines(const http::Request& request) {
+bool requests_lines(const http::Request& request) {
     return http::is_web_socket(request) || request.header("Accept").find(ndjson) != std::string_view::npos;
 }
 

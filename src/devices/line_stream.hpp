@@ -27,7 +27,7 @@ private:
 using NextLine = std::function<std::string()>;
 
 /// Whether the request is for an endless answer.
-bool wants_lines(const http::Request& request);
+bool requests_lines(const http::Request& request);
 /// `clients` must outlive the answer.
 http::Response line_stream(LineClients& clients, NextLine next, const http::Request& request);
 

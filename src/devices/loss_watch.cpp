@@ -5,7 +5,7 @@
 
 namespace anogate {
 
-void LossWatch::hear(std::uint8_t address, std::uint8_t id, ano::TimePoint now) noexcept {
+void LossWatch::receive(std::uint8_t address, std::uint8_t id, ano::TimePoint now) noexcept {
     Life& life = lives_[address];
     life.heard_at = now;
     life.elsewhere.clear();
@@ -15,8 +15,8 @@ void LossWatch::hear(std::uint8_t address, std::uint8_t id, ano::TimePoint now) 
     life.at = now;
 }
 
-void LossWatch::hear_mode(std::uint8_t address, std::uint8_t flag, ano::TimePoint now) noexcept {
-    hear(address, ano::id_of<"mode">, now);
+void LossWatch::record_mode(std::uint8_t address, std::uint8_t flag, ano::TimePoint now) noexcept {
+    receive(address, ano::id_of<"mode">, now);
     Life& life = lives_[address];
     const ano::Duration interval = now - life.mode_at;
     if (life.flag && interval <= rarest_telemetry) life.mode_intervals[life.mode_count++ % periods] = interval;

@@ -18,7 +18,7 @@ struct WatchedDevice {
     std::optional<std::uint8_t> flag{};    // `sflag`: locked, unlocked, airborne; std::nullopt: it never sent a mode
     ano::TimePoint lost_at{};              // unless a frame of it is received before
     bool is_lost = false;
-    std::string elsewhere{};    // LossWatch::hear_elsewhere()
+    std::string elsewhere{};    // LossWatch::record_elsewhere()
 
     bool was_locked() const noexcept { return flag && *flag == 0; }
     /// Equal in the data that clients receive: whether it is heard, and for a lost one its last state.
@@ -42,12 +42,12 @@ public:
     static constexpr bool is_telemetry(std::uint8_t id) noexcept { return (id > 0 && id < 0x60) || (id >= 0xF1 && id <= 0xFA); }
 
     /// To be called for any frame except `mode`.
-    void hear(std::uint8_t address, std::uint8_t id, ano::TimePoint now) noexcept;
-    void hear_mode(std::uint8_t address, std::uint8_t flag, ano::TimePoint now) noexcept;
+    void receive(std::uint8_t address, std::uint8_t id, ano::TimePoint now) noexcept;
+    void record_mode(std::uint8_t address, std::uint8_t flag, ano::TimePoint now) noexcept;
     /// A frame with its address was received at `place`, and is not known to be from it: not a sign of life, but reported until
     /// the device is heard.
-    void hear_elsewhere(std::uint8_t address, const std::string& place) { lives_[address].elsewhere = place; }
-    bool is_told_elsewhere(std::uint8_t address) const noexcept { return !lives_[address].elsewhere.empty(); }
+    void record_elsewhere(std::uint8_t address, const std::string& place) { lives_[address].elsewhere = place; }
+    bool was_received_elsewhere(std::uint8_t address) const noexcept { return !lives_[address].elsewhere.empty(); }
     void forget(std::uint8_t address) noexcept { lives_[address] = {}; }
 
     /// The device is reported as lost until it is heard again, so a frame from another place must not end that. A vehicle that

@@ -85,7 +85,7 @@ bool is_type_7_note(std::string_view name) { return is_unit_note_name(name, "typ
 
 void keep_type_7(const WorkPlace& place, ano::ValueType7 seven) {
     Json note = unit_json(place, place.device.info());
-    note["type7"] = text_of_type_7(seven);
+    note["type7"] = to_string(seven);
     const std::string name = unit_note_name("type7", place, place.device.info()), text = ano::compact_json(note) + "\n";
     place.notes.remember(name, text);    // usable before it is on disk
     place.notes.keep(name, text, [](const std::string&) {});

@@ -26,7 +26,7 @@ bool has_same_versions(const ano::host::DeviceInfo& one, const ano::host::Device
            one.pt_ver == other.pt_ver;
 }
 
-std::string words_of_info(const ano::host::DeviceInfo& info) {
+std::string format_info(const ano::host::DeviceInfo& info) {
     return info.name + " (dev_id " + std::to_string(info.dev_id) + ", hw " + std::to_string(info.hw_ver) + ", sw " +
            std::to_string(info.sw_ver) + ", bl " + std::to_string(info.bl_ver) + ", pt " + std::to_string(info.pt_ver) + ")";
 }
@@ -57,7 +57,7 @@ std::string unit_note_name(std::string_view kind, const WorkPlace& place, const 
                            std::string_view ending) {
     const UnitPlace at = here_of(place);
     const std::uint32_t mark = digest(at.gateway + '\n' + at.link + '\n' + at.wire + '\n' +
-                                      (info ? words_of_info(*info) : std::string{}));
+                                      (info ? format_info(*info) : std::string{}));
     std::string name{kind};
     name.append("-").append(ano::hex_byte(place.device.address())).append("-");
     for (int shift = 28; shift >= 0; shift -= 4) name += "0123456789abcdef"[(mark >> shift) & 15u];
@@ -119,7 +119,7 @@ std::string misfit_of_note(const std::string& text, const WorkPlace& place, With
     if (!info && silent == WithoutInfo::fits) return {};
     if (!was) return "of no known device";
     if (info && place.texts.is(info->name, was->name) && has_same_versions(*was, *info)) return {};
-    return "of another device, " + words_of_info(*was);
+    return "of another device, " + format_info(*was);
 }
 
 std::string find_note(const WorkPlace& place, const std::function<bool(std::string_view name)>& wanted, WithoutInfo silent) {

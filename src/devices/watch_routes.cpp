@@ -59,7 +59,7 @@ Json log_line_json(const DeviceLog::Line& line, std::uint8_t device, const Devic
     if (line.value) json["value"] = value_json(static_cast<double>(*line.value), ano::Type::f32, texts);
     else json["color"] = line.color;
     if (line.is_red() && line.origin == DeviceLog::Origin::anybody) json["counts"] = false;
-    json["text"] = texts.shown(line.text);
+    json["text"] = texts.display_text(line.text);
     return json;
 }
 
@@ -146,7 +146,7 @@ Response log_answer(DeviceService& service, const Request& request) {
         if (ec != std::errc{} || end != word->data() + word->size())
             return http::error(400, "'since' must be seconds since 1970, not " + ano::in_quotes(*word));
     }
-    if (wants_lines(request)) return line_stream(service.log_clients(), LogLines{service, device, since}, request);
+    if (requests_lines(request)) return line_stream(service.log_clients(), LogLines{service, device, since}, request);
     const DeviceLog& log = service.log();
     Json lines = Json::array();
     if (device == ano::address::broadcast) {
@@ -190,12 +190,12 @@ Response put_limits(DeviceService& service, const Request& request) {
     if (const auto* wrong = std::get_if<std::string>(&list)) return http::error(422, *wrong);
     const std::string unknown = AlarmLimits::unknown_field(std::get<AlarmLimits::List>(list), device, service.net().layouts());
     if (!unknown.empty()) return http::error(422, unknown);
-    return http::later([&service, device, list = std::get<AlarmLimits::List>(std::move(list))](const auto& say) {
-        service.keep_limits(device, list, [&service, device, say](const std::string& fault) {
+    return http::later([&service, device, list = std::get<AlarmLimits::List>(std::move(list))](const auto& respond) {
+        service.keep_limits(device, list, [&service, device, respond](const std::string& fault) {
             Json json = limits_json(service, device);
             json["kept"] = fault.empty();
             if (!fault.empty()) json["why"] = fault;
-            say(watch_response(json));
+            respond(watch_response(json));
         });
     });
 }
@@ -216,7 +216,7 @@ Json alarm_json(DeviceService& service, const ActiveAlarm& alarm, ano::TimePoint
     };
     const AlarmLimit& limit = alarm.limit;
     Json json{{"device", ano::hex_byte(alarm.device)}};
-    if (const auto info = service.info(alarm.device)) json["name"] = service.texts(alarm.device).shown(info->name);
+    if (const auto info = service.info(alarm.device)) json["name"] = service.texts(alarm.device).display_text(info->name);
     json["field"] = limit.field;
     json["side"] = limit.is_below ? "below" : "above";
     json["level"] = text(alarm.level);
@@ -236,7 +236,7 @@ Json alarms_json(DeviceService& service, const std::vector<ActiveAlarm>& alarms,
     Json json{{"alarms", std::move(list)}};
     for (const WatchedDevice& device : devices) {
         Json& one = json["devices"].emplace_back(Json{{"address", ano::hex_byte(device.address)}, {"lost", device.is_lost}});
-        if (device.is_lost) tell_loss(one, service, device, now);
+        if (device.is_lost) append_loss(one, service, device, now);
     }
     return json;
 }
@@ -247,26 +247,26 @@ public:
     explicit AlarmLines(DeviceService& service) : service_{service} {}
     std::string operator()() {
         AlarmFeed& feed = service_.alarms();
-        if (!told_) service_.look_for_alarms(service_.net().now());
-        if (told_ == feed.version()) return {};
-        told_ = feed.version();
-        return watch_line(alarms_json(service_, feed.told(), feed.told_devices()));
+        if (!sent_version_) service_.look_for_alarms(service_.net().now());
+        if (sent_version_ == feed.version()) return {};
+        sent_version_ = feed.version();
+        return watch_line(alarms_json(service_, feed.sent_alarms(), feed.sent_devices()));
     }
 
 private:
     DeviceService& service_;
-    std::optional<std::uint64_t> told_;    // the version sent; std::nullopt: nothing yet
+    std::optional<std::uint64_t> sent_version_;    // the version sent; std::nullopt: nothing yet
 };
 
 Response alarms_answer(DeviceService& service, const Request& request) {
-    if (wants_lines(request)) return line_stream(service.alarms().clients(), AlarmLines{service}, request);
+    if (requests_lines(request)) return line_stream(service.alarms().clients(), AlarmLines{service}, request);
     return watch_response(alarms_json(service, service.alarms().watch().active(service.net().now()), {}));
 }
 
 }    // namespace
 
-void tell_loss(Json& json, DeviceService& service, const WatchedDevice& device, ano::TimePoint now) {
-    if (const auto info = service.info(device.address)) json["name"] = service.texts(device.address).shown(info->name);
+void append_loss(Json& json, DeviceService& service, const WatchedDevice& device, ano::TimePoint now) {
+    if (const auto info = service.info(device.address)) json["name"] = service.texts(device.address).display_text(info->name);
     json["age"] = std::round(std::chrono::duration<double>(now - device.heard_at).count() * 10) / 10;
     if (device.flag) json["sflag"] = *device.flag;
     if (!device.elsewhere.empty()) json["elsewhere"] = device.elsewhere;
@@ -277,7 +277,7 @@ Json lost_json(DeviceService& service) {
     Json all = Json::array();
     for (const WatchedDevice& device : service.lost(now)) {
         Json& one = all.emplace_back(Json{{"address", ano::hex_byte(device.address)}});
-        tell_loss(one, service, device, now);
+        append_loss(one, service, device, now);
     }
     return all;
 }

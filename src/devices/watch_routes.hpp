@@ -16,7 +16,7 @@ class Routes;
 void add_watch_routes(http::Routes& routes, DeviceService& service);
 
 /// Adds the lost device, the time since its last frame, and its last state.
-void tell_loss(nlohmann::ordered_json& json, DeviceService& service, const WatchedDevice& device, ano::TimePoint now);
+void append_loss(nlohmann::ordered_json& json, DeviceService& service, const WatchedDevice& device, ano::TimePoint now);
 /// The devices that are lost, one object each.
 nlohmann::ordered_json lost_json(DeviceService& service);
 

@@ -71,18 +71,18 @@ Whole whole(double value, const std::string& what) {
 }
 
 template <class Whole>
-void take(const Json& object, const char* key, Whole& into, const std::string& where) {
+void read_field(const Json& object, const char* key, Whole& into, const std::string& where) {
     if (object.contains(key)) into = whole<Whole>(number_in(object, key, where), where + ": '" + key + "'");
 }
 
 Json properties_of(const Waypoint& w) { return {{"spd", w.spd}, {"yaw", w.yaw}, {"fun", w.fun}, {"cmd", w.cmd}}; }
 
-void take_properties(const Json& object, Waypoint& w, const std::string& where) {
-    take(object, "num", w.num, where);
-    take(object, "alt", w.alt, where);
-    take(object, "spd", w.spd, where);
-    take(object, "yaw", w.yaw, where);
-    take(object, "fun", w.fun, where);
+void read_properties(const Json& object, Waypoint& w, const std::string& where) {
+    read_field(object, "num", w.num, where);
+    read_field(object, "alt", w.alt, where);
+    read_field(object, "spd", w.spd, where);
+    read_field(object, "yaw", w.yaw, where);
+    read_field(object, "fun", w.fun, where);
     if (!object.contains("cmd")) return;
     const Json& cmd = object["cmd"];
     if (!cmd.is_array() || cmd.size() != w.cmd.size()) throw Wrong{where + ": 'cmd' must be four bytes"};
@@ -122,7 +122,7 @@ std::vector<Waypoint> from_plain(const Json& json) {
         w.lng = number_in(row, "lng", where);
         w.lat = number_in(row, "lat", where);
         if (!row.contains("alt")) throw Wrong{where + ": 'alt' is missing, its height in cm"};
-        take_properties(row, w, where);
+        read_properties(row, w, where);
         add(all, w, where);
     }
     return all;
@@ -145,7 +145,7 @@ std::vector<Waypoint> from_geojson(const Json& json) {
         const Json properties = feature.value("properties", Json{});
         if (properties.is_object()) {
             refuse_strangers(properties, true, where);
-            take_properties(properties, w, where);
+            read_properties(properties, w, where);
         }
         if (at.size() < 3 && !(properties.is_object() && properties.contains("alt")))
             throw Wrong{where + " has no height: add metres as the third of 'coordinates', or 'alt' in cm to its properties"};

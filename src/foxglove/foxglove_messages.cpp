@@ -35,27 +35,27 @@ Wrong no_list(std::string_view op, std::string_view name) {
 Said read_subscribe(const Json& json) {
     const Json* const list = list_in(json, "subscriptions");
     if (list == nullptr) return no_list("subscribe", "subscriptions");
-    Subscribe said;
+    Subscribe request;
     for (const Json& one : *list) {
         const bool is_object = one.is_object();
         const auto id = is_object && one.contains("id") ? number_in(one["id"]) : std::nullopt;
         const auto channel = is_object && one.contains("channelId") ? number_in(one["channelId"]) : std::nullopt;
         if (!id || !channel) return Wrong{"a subscription needs 'id' and 'channelId', integers of at most 32 bits"};
-        said.subscriptions.push_back({*id, *channel});
+        request.subscriptions.push_back({*id, *channel});
     }
-    return said;
+    return request;
 }
 
 Said read_unsubscribe(const Json& json) {
     const Json* const list = list_in(json, "subscriptionIds");
     if (list == nullptr) return no_list("unsubscribe", "subscriptionIds");
-    Unsubscribe said;
+    Unsubscribe request;
     for (const Json& one : *list) {
         const auto id = number_in(one);
         if (!id) return Wrong{"'subscriptionIds' must be integers of at most 32 bits"};
-        said.ids.push_back(*id);
+        request.ids.push_back(*id);
     }
-    return said;
+    return request;
 }
 
 /// std::nullopt: not a list of texts. A missing list counts as empty.
@@ -76,13 +76,13 @@ const Wrong no_names{"'parameterNames' must be a list of texts"};
 Said read_get_parameters(const Json& json) {
     auto names = names_in(json);
     if (!names) return no_names;
-    GetParameters said{std::move(*names), {}};
+    GetParameters request{std::move(*names), {}};
     const auto id = json.find("id");
-    if (id == json.end() || id->is_null()) return said;
+    if (id == json.end() || id->is_null()) return request;
     if (!id->is_string() || id->get_ref<const std::string&>().size() > max_question_id)
         return Wrong{"the 'id' of a request must be text of at most " + std::to_string(max_question_id) + " bytes"};
-    said.id = id->get<std::string>();
-    return said;
+    request.id = id->get<std::string>();
+    return request;
 }
 
 Said read_watch_parameters(const Json& json) {

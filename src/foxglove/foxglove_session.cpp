@@ -20,7 +20,7 @@ std::string name_of(std::uint8_t id) {
     return message ? std::string{message->name} : ano::hex_byte(id);
 }
 
-std::string words_of(const LostFrames& lost) {
+std::string to_string(const LostFrames& lost) {
     constexpr std::size_t max_names = 8;
     std::vector<std::pair<std::uint32_t, std::uint8_t>> many;
     for (unsigned id = 0; id < lost.by_id.size(); ++id)
@@ -38,34 +38,37 @@ std::string words_of(const LostFrames& lost) {
 FoxgloveSession::FoxgloveSession(const foxglove::ServerInfo& server, DecodedEncoding encoding, DecodingPtr decoding)
     : greeting_{foxglove::server_info(server)}, encoding_{encoding}, decoded_{encoding, std::move(decoding)} {}
 
-void FoxgloveSession::hear(std::string_view text) {
-    std::visit([this](auto&& said) { hear(std::forward<decltype(said)>(said)); }, foxglove::read(text));
+void FoxgloveSession::receive(std::string_view text) {
+    std::visit([this](auto&& request) { receive(std::forward<decltype(request)>(request)); }, foxglove::read(text));
 }
 
-void FoxgloveSession::hear_bytes() { say(Level::error, "binary messages are not supported: this interface is read-only"); }
+void FoxgloveSession::receive_binary() {
+    send_status(Level::error, "binary messages are not supported: this interface is read-only");
+}
 
-void FoxgloveSession::hear(const foxglove::Subscribe& said) {
-    for (const foxglove::Subscription& wanted : said.subscriptions) subscribe(wanted);
+void FoxgloveSession::receive(const foxglove::Subscribe& request) {
+    for (const foxglove::Subscription& wanted : request.subscriptions) subscribe(wanted);
     find_wanted();
 }
 
 void FoxgloveSession::subscribe(const foxglove::Subscription& wanted) {
     const std::string channel = "channel " + std::to_string(wanted.channel);
     const Known* const its = known(wanted.channel);
-    if (!its && wanted.channel != raw_channel) return say(Level::error, "unknown " + channel + ": it was not advertised");
-    if (its && its->is_gone) return say(Level::warning, channel + " no longer exists because its link was removed");
+    if (!its && wanted.channel != raw_channel) return send_status(Level::error, "unknown " + channel + ": it was not advertised");
+    if (its && its->is_gone) return send_status(Level::warning, channel + " no longer exists because its link was removed");
     if (by_id_.contains(wanted.id))
-        return say(Level::error, "the subscription id " + std::to_string(wanted.id) + " is already in use");
+        return send_status(Level::error, "the subscription id " + std::to_string(wanted.id) + " is already in use");
     if (!by_channel_.try_emplace(wanted.channel, wanted.id).second)
-        return say(Level::error, channel + " is already subscribed with id " + std::to_string(by_channel_.at(wanted.channel)));
+        return send_status(Level::error,
+                           channel + " is already subscribed with id " + std::to_string(by_channel_.at(wanted.channel)));
     by_id_.emplace(wanted.id, wanted.channel);
 }
 
-void FoxgloveSession::hear(const foxglove::Unsubscribe& said) {
-    for (const std::uint32_t id : said.ids) {
+void FoxgloveSession::receive(const foxglove::Unsubscribe& request) {
+    for (const std::uint32_t id : request.ids) {
         const auto found = by_id_.find(id);
         if (found == by_id_.end()) {
-            say(Level::error, "unknown subscription " + std::to_string(id));
+            send_status(Level::error, "unknown subscription " + std::to_string(id));
             continue;
         }
         by_channel_.erase(found->second);
@@ -74,28 +77,29 @@ void FoxgloveSession::hear(const foxglove::Unsubscribe& said) {
     find_wanted();
 }
 
-void FoxgloveSession::hear(foxglove::GetParameters&& said) {
-    if (open_questions_ == max_questions) return say(Level::error, "too many parameter requests are pending; try again later");
+void FoxgloveSession::receive(foxglove::GetParameters&& request) {
+    if (open_questions_ == max_questions)
+        return send_status(Level::error, "too many parameter requests are pending; try again later");
     ++open_questions_;
-    questions_.push_back(std::move(said));
+    questions_.push_back(std::move(request));
 }
 
-void FoxgloveSession::hear(foxglove::WatchParameters&& said) {
-    if (said.names.empty()) {
-        watches_all_ = !said.ends;
+void FoxgloveSession::receive(foxglove::WatchParameters&& request) {
+    if (request.names.empty()) {
+        watches_all_ = !request.ends;
         watched_.clear();
     }
-    for (std::string& name : said.names) {
-        if (said.ends) watched_.erase(name);
+    for (std::string& name : request.names) {
+        if (request.ends) watched_.erase(name);
         else if (watched_.size() < max_watched && name.size() <= max_watched_name) watched_.insert(std::move(name));
     }
 }
 
-void FoxgloveSession::hear(foxglove::Wrong&& said) { say(Level::error, said.words); }
+void FoxgloveSession::receive(foxglove::Wrong&& request) { send_status(Level::error, request.words); }
 
-void FoxgloveSession::say(Level level, std::string_view words) {
+void FoxgloveSession::send_status(Level level, std::string_view words) {
     if (statuses_.size() < max_statuses) statuses_.push_back(foxglove::status(level, words));
-    else ++unsaid_;
+    else ++unreported_;
 }
 
 const FoxgloveSession::Known* FoxgloveSession::known(std::uint32_t channel) const noexcept {
@@ -106,7 +110,7 @@ void FoxgloveSession::find_wanted() {
     wanted_.clear();
     for (const auto& [channel, id] : by_channel_)
         if (const Known* const its = known(channel); its && !its->is_gone) want(*its);
-    wants_others_ = true;
+    filter_has_changed_ = true;
 }
 
 // A standard message may contain values from earlier frames of its device, so all frames of the device with standard messages are
@@ -174,7 +178,7 @@ void FoxgloveSession::forget_where(IsGone is_gone) {
         if (channel.is_gone || channel.kinds.empty() || !is_gone(*channel.kinds.begin())) continue;
         channel.is_gone = true;
         by_topic_.erase(channel.channel->topic);
-        if (number < told_channels_) gone_.push_back(static_cast<std::uint32_t>(number) + first_decoded);
+        if (number < advertised_channels_) gone_.push_back(static_cast<std::uint32_t>(number) + first_decoded);
     }
     std::erase_if(standard_kinds_, is_gone);
     if (!by_channel_.empty()) find_wanted();
@@ -206,7 +210,7 @@ void FoxgloveSession::send_on(std::uint32_t channel, std::uint64_t time_ns, std:
     messages_.push_back({foxglove::message_data(subscription->second, time_ns, payload), false, false});
 }
 
-void FoxgloveSession::lose(const LostFrames& lost) { warn(words_of(lost)); }
+void FoxgloveSession::lose(const LostFrames& lost) { warn(to_string(lost)); }
 
 std::optional<foxglove::GetParameters> FoxgloveSession::next_question() {
     if (questions_.empty()) return std::nullopt;
@@ -230,8 +234,9 @@ std::optional<FoxgloveSession::Message> FoxgloveSession::next() {
     if (!statuses_.empty()) {
         Message status{std::move(statuses_.front())};
         statuses_.pop_front();
-        if (statuses_.empty() && unsaid_ > 0)
-            say(Level::error, std::to_string(std::exchange(unsaid_, 0)) + " more errors are not reported individually");
+        if (statuses_.empty() && unreported_ > 0)
+            send_status(Level::error,
+                        std::to_string(std::exchange(unreported_, 0)) + " more errors are not reported individually");
         return status;
     }
     if (!gone_.empty()) return Message{foxglove::unadvertise(std::exchange(gone_, {}))};
@@ -250,16 +255,16 @@ std::optional<FoxgloveSession::Message> FoxgloveSession::next() {
 
 std::optional<FoxgloveSession::Message> FoxgloveSession::next_channels() {
     std::vector<foxglove::Channel> channels;
-    if (!std::exchange(raw_is_told_, true))
+    if (!std::exchange(raw_is_advertised_, true))
         channels.push_back({raw_channel, mcap::frames_topic, text(DecodedEncoding::cdr), mcap::frame_schema_name,
                             mcap::frame_schema_text, "ros2msg"});
     std::size_t size = 0;
-    while (told_channels_ < channels_.size() && size < part_size) {
-        const Known& next = channels_[told_channels_++];
+    while (advertised_channels_ < channels_.size() && size < part_size) {
+        const Known& next = channels_[advertised_channels_++];
         if (next.is_gone) continue;
         const DecodedChannel& channel = *next.channel;
         const DecodedSchema& schema = *next.schema;
-        channels.push_back({static_cast<std::uint32_t>(told_channels_ - 1) + first_decoded, channel.topic, text(encoding_),
+        channels.push_back({static_cast<std::uint32_t>(advertised_channels_ - 1) + first_decoded, channel.topic, text(encoding_),
                             schema.name, schema.text, schema.encoding});
         size += channel.topic.size() + schema.name.size() + schema.text.size();
     }

@@ -3,7 +3,7 @@
 // Flow:    FoxgloveSession session{server, encoding};
 //          session.learn(first_frame);                // new channels
 //          session.hear(text);                        // a message of the client
-//          if (session.wants_other_frames()) watch(session.take_filter());
+//          if (session.filter_has_changed()) watch(session.pop_filter());
 //          session.show(frame);                       // a frame that passed the filter
 //          while (auto message = session.next()) ...  // to be sent, in this order
 #pragma once
@@ -42,9 +42,9 @@ public:
     FoxgloveSession(const foxglove::ServerInfo& server, DecodedEncoding encoding, DecodingPtr decoding);
 
     /// A text message of the client.
-    void hear(std::string_view text);
+    void receive(std::string_view text);
     /// A binary message of the client; always an error.
-    void hear_bytes();
+    void receive_binary();
 
     /// Announces these channels to the client. Call it in the order in which they were found. Their FoundChannels must outlive
     /// the session.
@@ -58,12 +58,12 @@ public:
     /// Frames that were lost because the client reads too slowly.
     void lose(const LostFrames& lost);
 
-    /// Whether filter() has changed since the last take_filter().
-    bool wants_other_frames() const noexcept { return wants_others_; }
+    /// Whether filter() has changed since the last pop_filter().
+    bool filter_has_changed() const noexcept { return filter_has_changed_; }
     /// Selects the frames that may contain the subscribed channels; std::nullopt: nothing is subscribed.
     std::optional<FrameFilterSettings> filter() const;
-    std::optional<FrameFilterSettings> take_filter() {
-        wants_others_ = false;
+    std::optional<FrameFilterSettings> pop_filter() {
+        filter_has_changed_ = false;
         return filter();
     }
 
@@ -72,7 +72,7 @@ public:
     void answer(const foxglove::GetParameters& question, const std::vector<foxglove::Parameter>& values);
     /// These parameters were read or written: queues those that the client watches.
     void changed(const std::vector<foxglove::Parameter>& values);
-    void warn(std::string_view words) { say(foxglove::Level::warning, words); }
+    void warn(std::string_view words) { send_status(foxglove::Level::warning, words); }
 
     /// The next message to send; std::nullopt: none is queued.
     std::optional<Message> next();
@@ -87,13 +87,13 @@ private:
         bool is_gone = false;
     };
 
-    void hear(const foxglove::Subscribe& said);
-    void hear(const foxglove::Unsubscribe& said);
-    void hear(foxglove::GetParameters&& said);
-    void hear(foxglove::WatchParameters&& said);
-    void hear(foxglove::Wrong&& said);
+    void receive(const foxglove::Subscribe& request);
+    void receive(const foxglove::Unsubscribe& request);
+    void receive(foxglove::GetParameters&& request);
+    void receive(foxglove::WatchParameters&& request);
+    void receive(foxglove::Wrong&& request);
     void subscribe(const foxglove::Subscription& wanted);
-    void say(foxglove::Level level, std::string_view words);
+    void send_status(foxglove::Level level, std::string_view words);
     std::size_t number_of(const DecodedChannel& channel, const DecodedSchema& schema);
     std::optional<std::size_t> number_of(const DecodedMessage& message);
     void want(const Known& channel);
@@ -115,14 +115,14 @@ private:
     std::set<FrameKind> wanted_;                           // for the subscribed channels
     std::map<std::uint32_t, std::uint32_t> by_channel_;    // the subscription of each channel
     std::map<std::uint32_t, std::uint32_t> by_id_;         // the channel of each subscription
-    bool wants_others_ = false;
-    bool raw_is_told_ = false;
-    std::string raw_;                    // buffer for the message of a whole frame; keeps its memory
-    std::size_t told_channels_ = 0;      // number of channels_ that were announced
-    std::vector<std::uint32_t> gone_;    // removed channels that are still to be unadvertised
+    bool filter_has_changed_ = false;
+    bool raw_is_advertised_ = false;
+    std::string raw_;                        // buffer for the message of a whole frame; keeps its memory
+    std::size_t advertised_channels_ = 0;    // number of channels_ that were announced
+    std::vector<std::uint32_t> gone_;        // removed channels that are still to be unadvertised
     std::deque<Message> messages_;
     std::deque<std::string> statuses_;
-    std::uint64_t unsaid_ = 0;    // statuses that did not fit
+    std::uint64_t unreported_ = 0;    // statuses that did not fit
     std::deque<foxglove::GetParameters> questions_;
     std::size_t open_questions_ = 0;
     bool watches_all_ = false;

@@ -33,72 +33,72 @@ FoxgloveSocket::~FoxgloveSocket() {
 void FoxgloveSocket::opened(http::WebSocket& socket) {
     socket_ = &socket;
     streams_.join(*this);
-    give_if_idle();
+    send_if_idle();
 }
 
 void FoxgloveSocket::heard(std::string_view message, http::WebSocket::Kind kind) {
-    if (kind == http::WebSocket::Kind::text) session_.hear(message);
-    else session_.hear_bytes();
+    if (kind == http::WebSocket::Kind::text) session_.receive(message);
+    else session_.receive_binary();
     while (auto question = session_.next_question()) streams_.ask(*this, std::move(*question));
-    give_if_idle();
+    send_if_idle();
 }
 
 void FoxgloveSocket::learn(const FirstFrame& first) {
     socket_->attempt([&] {
         session_.learn(first);
-        give_if_idle();
+        send_if_idle();
     });
 }
 
 void FoxgloveSocket::forget(std::string_view link) {
     socket_->attempt([&] {
         session_.forget(link);
-        give_if_idle();
+        send_if_idle();
     });
 }
 
 void FoxgloveSocket::use(DecodingPtr decoding) {
     socket_->attempt([&] {
         session_.use(std::move(decoding));
-        give_if_idle();
+        send_if_idle();
     });
 }
 
 void FoxgloveSocket::answer(const foxglove::GetParameters& question, const std::vector<foxglove::Parameter>& values) {
     socket_->attempt([&] {
         session_.answer(question, values);
-        give_if_idle();
+        send_if_idle();
     });
 }
 
 void FoxgloveSocket::changed(const std::vector<foxglove::Parameter>& values) {
     socket_->attempt([&] {
         session_.changed(values);
-        give_if_idle();
+        send_if_idle();
     });
 }
 
 void FoxgloveSocket::warn(std::string_view words) {
     socket_->attempt([&] {
         session_.warn(words);
-        give_if_idle();
+        send_if_idle();
     });
 }
 
 void FoxgloveSocket::more() {
-    socket_->attempt([this] { give_if_idle(); });
+    socket_->attempt([this] { send_if_idle(); });
 }
 
 void FoxgloveSocket::work() {
     socket_->attempt([this] {
-        if (session_.wants_other_frames()) watch_what_is_wanted();
-        give_if_idle();
+        if (session_.filter_has_changed()) watch_what_is_wanted();
+        send_if_idle();
     });
 }
 
 // Must not be called from more(): no watcher may be added or removed there.
 void FoxgloveSocket::watch_what_is_wanted() {
-    const auto filter = session_.take_filter();
+    const auto filter = session_.pop_filter();
     if (!filter) {
         if (std::exchange(watches_, false)) streams_.watch_.remove(*this);
     } else if (std::exchange(watches_, true)) {
@@ -108,23 +108,23 @@ void FoxgloveSocket::watch_what_is_wanted() {
     }
 }
 
-void FoxgloveSocket::give_if_idle() {
-    if (socket_->waiting() == 0) give();
-    else if (session_.wants_other_frames()) work_.set_no_later(Clock::now());
+void FoxgloveSocket::send_if_idle() {
+    if (socket_->waiting() == 0) send_next_part();
+    else if (session_.filter_has_changed()) work_.set_no_later(Clock::now());
 }
 
-void FoxgloveSocket::give() {
+void FoxgloveSocket::send_next_part() {
     int records = 0;
     while (socket_->waiting() < messages_a_turn) {
         if (auto message = session_.next()) send(std::move(*message));
-        else if (records++ == records_a_turn || !take_next()) break;
+        else if (records++ == records_a_turn || !read_next()) break;
     }
-    if (records > records_a_turn || session_.wants_other_frames()) work_.set_no_later(Clock::now());
+    if (records > records_a_turn || session_.filter_has_changed()) work_.set_no_later(Clock::now());
 }
 
 // False: no frame is waiting.
-bool FoxgloveSocket::take_next() {
-    if (const auto record = take_record(rest_)) {
+bool FoxgloveSocket::read_next() {
+    if (const auto record = next_record(rest_)) {
         session_.show(as_recorded(*record, *tables_));
         return true;
     }

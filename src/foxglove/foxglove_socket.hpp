@@ -29,7 +29,7 @@ public:
     std::string_view subprotocol() const override { return subprotocol_; }
     void opened(http::WebSocket& socket) override;
     void heard(std::string_view message, http::WebSocket::Kind kind) override;
-    void sent_all() override { give(); }
+    void sent_all() override { send_next_part(); }
 
     DecodedEncoding encoding() const noexcept { return encoding_; }
     void learn(const FirstFrame& first);
@@ -43,9 +43,9 @@ private:
     void more() override;
     void work();
     void watch_what_is_wanted();
-    void give_if_idle();
-    void give();
-    bool take_next();
+    void send_if_idle();
+    void send_next_part();
+    bool read_next();
     void send(FoxgloveSession::Message message);
 
     FoxgloveStreams& streams_;

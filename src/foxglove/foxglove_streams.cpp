@@ -102,7 +102,7 @@ void FoxgloveStreams::more() try {
         const auto* batch = std::get_if<WatchQueue::Batch>(&*item);
         if (batch == nullptr) continue;
         std::string_view rest = **batch;
-        while (const auto record = take_record(rest)) look_at(as_recorded(*record, *tables_));
+        while (const auto record = next_record(rest)) look_at(as_recorded(*record, *tables_));
     }
 } catch (const std::bad_alloc&) {
     return;
@@ -151,16 +151,16 @@ void FoxgloveStreams::read_old_jobs() {
     std::size_t size = 0;
     auto first = jobs.end();
     while (first != jobs.begin()) {
-        if (const Job& job = **std::prev(first); tells_parameters(job)) size += job.result->size();
+        if (const Job& job = **std::prev(first); has_parameters(job)) size += job.result->size();
         if (size > old_results) break;
         --first;
     }
     for (; first != jobs.end(); ++first)
-        if (tells_parameters(**first)) book_.learn(**first, prefix_of(*(*first)->order.address));
+        if (has_parameters(**first)) book_.learn(**first, prefix_of(*(*first)->order.address));
 }
 
 void FoxgloveStreams::ended(const Job& job) {
-    if (sockets_.empty() || !tells_parameters(job)) return;
+    if (sockets_.empty() || !has_parameters(job)) return;
     const auto values = book_.learn(job, prefix_of(*job.order.address));
     for (FoxgloveSocket* const socket : sockets_) socket->changed(values);
 }
@@ -196,7 +196,7 @@ void FoxgloveStreams::ask(FoxgloveSocket& socket, foxglove::GetParameters asked)
 void FoxgloveStreams::ask_device(std::uint8_t address, std::vector<std::string> names,
                                  const std::shared_ptr<Question>& question) {
     JobOrder order{JobKind::parameters,
-                   ano::host::Deed::read,
+                   ano::host::Operation::read,
                    address,
                    false,
                    "a Foxglove client",

@@ -12,7 +12,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 /// The present value on the device, from a row about one parameter; null: the row does not contain it.
-Json told_value(const Json& row) {
+Json reported_value(const Json& row) {
     for (const char* name : {"value", "stored"})
         if (const auto found = row.find(name); found != row.end() && found->is_primitive()) return *found;
     return nullptr;
@@ -20,7 +20,7 @@ Json told_value(const Json& row) {
 
 }    // namespace
 
-bool tells_parameters(const Job& job) noexcept {
+bool has_parameters(const Job& job) noexcept {
     const JobKind kind = job.order.kind;
     const bool is_about_them = kind == JobKind::parameters || kind == JobKind::write || kind == JobKind::apply;
     return is_about_them && job.is_over() && job.order.address && job.result && job.result->size() <= ParameterBook::max_result;
@@ -28,22 +28,22 @@ bool tells_parameters(const Job& job) noexcept {
 
 std::vector<foxglove::Parameter> ParameterBook::learn(const Job& job, const std::string& prefix) {
     std::vector<foxglove::Parameter> learned;
-    if (!tells_parameters(job)) return learned;
+    if (!has_parameters(job)) return learned;
     const Json json = Json::parse(*job.result, nullptr, false);
     if (!json.is_object()) return learned;
     const auto list = json.find("parameters");
     const bool is_list = list != json.end() && list->is_array();
-    const auto take = [&](const Json& row) {
+    const auto add = [&](const Json& row) {
         if (!row.is_object() || !row.contains("name") || !row["name"].is_string()) return;
-        const Json value = told_value(row);
+        const Json value = reported_value(row);
         std::string name = prefix + row["name"].get<std::string>();
         if (value.is_null() || (values_.size() >= max_values && !values_.contains(name))) return;
         std::string text = ano::compact_json(value);
         values_.insert_or_assign(name, text);
         learned.push_back({std::move(name), std::move(text)});
     };
-    if (is_list) std::for_each(list->begin(), list->end(), take);
-    else take(json);
+    if (is_list) std::for_each(list->begin(), list->end(), add);
+    else add(json);
     return learned;
 }
 

@@ -31,7 +31,7 @@ private:
 };
 
 /// Whether learn() can use the job: it has ended, and has a result with parameters.
-bool tells_parameters(const Job& job) noexcept;
+bool has_parameters(const Job& job) noexcept;
 
 /// "fc/220/" for the device with this address on this link.
 std::string parameter_prefix(std::string_view link, std::uint8_t address);

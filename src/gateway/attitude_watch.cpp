@@ -17,7 +17,7 @@ AttitudeWatch::Device* AttitudeWatch::device(std::uint8_t address) noexcept {
     return nullptr;
 }
 
-void AttitudeWatch::hear(ano::FrameView frame, TimePoint now) noexcept {
+void AttitudeWatch::receive(ano::FrameView frame, TimePoint now) noexcept {
     Device* const from = frame.source() == 0 ? nullptr : device(frame.source());
     if (from == nullptr) return;
     const auto rotation = ano::rotation_of(frame, signs_);

@@ -22,7 +22,7 @@ std::string hex(std::uint32_t number) {
 }
 
 /// The base in hex; in decimal with a suggestion if the 0x is probably missing.
-std::string given_base(std::uint32_t base, std::uint32_t range, std::uint32_t last_base) {
+std::string format_base(std::uint32_t base, std::uint32_t range, std::uint32_t last_base) {
     const std::string digits = std::to_string(base);
     const std::uint64_t meant = std::stoull(digits, nullptr, 16);
     return meant % range == 0 && meant <= last_base ? digits + " (did you mean 0x" + digits + "?)" : hex(base);
@@ -46,7 +46,7 @@ std::string fault_of(const CanSettings& can) {
     const std::uint32_t last_base = last + 1 - range;
     if (can.base && (*can.base % range != 0 || *can.base > last_base))
         return "base is a multiple of " + hex(range) + " up to " + hex(last_base) + " (" + width + " ids), not " +
-               given_base(*can.base, range, last_base);
+               format_base(*can.base, range, last_base);
     return {};
 }
 

@@ -176,7 +176,7 @@ FairQueue::Number FairQueue::longest(Number ring) noexcept {
     return nodes_[ring].longest = most;
 }
 
-FrameIndex FairQueue::gives_way() noexcept {
+FrameIndex FairQueue::next_evicted() noexcept {
     const State& flow = nodes_[shared_ ? longest(longest(root)) : sole].now;
     if (flow.overtaking.first == no_frame || flow.rest.first == no_frame)
         return flow.rest.first != no_frame ? flow.rest.first : flow.overtaking.first;

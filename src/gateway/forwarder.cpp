@@ -42,7 +42,7 @@ void Forwarder::receive(Channel& from, ano::FrameView brought, TimePoint now) {
     if (is_duplicate(from, brought, key, policy)) return;
     if (!judgement.undecided) compare(from, frame, arrival.key);
     if (AttitudeWatch::concerns(frame.id())) [[unlikely]]
-        link.traffic.attitudes.hear(frame, now_);
+        link.traffic.attitudes.receive(frame, now_);
     if (link.present_as) {    // after the guards: a copy must not end a question
         const ano::FrameView before = frame;
         frame = link.present_as->inbound(frame, now_);
@@ -51,7 +51,7 @@ void Forwarder::receive(Channel& from, ano::FrameView brought, TimePoint now) {
     if (!admit(from, frame)) return;
     if (carried_.contains(from.link) && tunnel_->takes(frame)) return tunnel_->carry(from, frame);
     if (!admit_unopened(from, frame)) return;
-    if (is_probe(frame)) return take_probe(from, frame);
+    if (is_probe(frame)) return receive_probe(from, frame);
     pass_on(from, frame, policy, arrival, judgement);
 }
 
@@ -59,9 +59,9 @@ void Forwarder::receive(Channel& from, ano::FrameView brought, TimePoint now) {
     now_ = now;
     ++frame_number_;
     note_arrival(from);
-    if (!hear_arrivals_.empty()) [[unlikely]]
-        for (Observer* observer : hear_arrivals_) observer->received(from, frame, arrived_at_);
-    if (from.questions && from.questions->hear(frame, now_)) to_flush_.insert(from.id);
+    if (!arrival_observers_.empty()) [[unlikely]]
+        for (Observer* observer : arrival_observers_) observer->received(from, frame, arrived_at_);
+    if (from.questions && from.questions->receive(frame, now_)) to_flush_.insert(from.id);
 }
 
 // A frame whose source is its destination is not an echo: a host and a device may have one address, and the device returns the
@@ -130,8 +130,8 @@ bool Forwarder::admit_unopened(Channel& from, ano::FrameView frame) {
 [[gnu::always_inline]] inline void Forwarder::pass_on(Channel& from, ano::FrameView frame, QueuePolicy policy,
                                                       const LoopGuard::Arrival& arrival, const LoopGuard::Judgement& judgement) {
     bool is_ours = false;
-    if (!hear_fates_.empty()) [[unlikely]]
-        for (Observer* observer : hear_fates_) is_ours = observer->passes(from, frame) || is_ours;
+    if (!fate_observers_.empty()) [[unlikely]]
+        for (Observer* observer : fate_observers_) is_ours = observer->passes(from, frame) || is_ours;
     const ano::Intent intent = ano::intent_of(frame);
     if (intent == ano::Intent::asks && ano::is_of_a_host(frame)) router_.note_host(from.id);
     const bool teaches = !judgement.undecided || ano::address::is_host(frame.source());
@@ -149,8 +149,8 @@ bool Forwarder::admit_unopened(Channel& from, ano::FrameView frame) {
     for (const ChannelId to : route.channels) offer(from.id, to, frame, policy, arrived_at_);
     to_one_place_ = false;
     for (const LinkId to : route.absent) refuse(to, frame, &SendCounters::link_down);
-    note_taker(from, frame, route, is_ours);
-    tell_own(from, frame, route.via);
+    note_receiver(from, frame, route, is_ours);
+    pass_to_own(from, frame, route.via);
     if (route.new_conflict) note_claimants();
     if (router_.has_question(now_)) ask_holders();
 }
@@ -165,16 +165,17 @@ void Forwarder::keep_from_tunnel(Route& route) {
     tunnel_->refuse_nested();
 }
 
-[[gnu::always_inline]] inline void Forwarder::note_taker(Channel& from, ano::FrameView frame, const Route& route, bool is_ours) {
+[[gnu::always_inline]] inline void Forwarder::note_receiver(Channel& from, ano::FrameView frame, const Route& route,
+                                                            bool is_ours) {
     const bool to_host = ano::address::is_host(frame.destination());
     if (route.channels.empty() && route.absent.empty() && route.via != Via::own) {
         if (is_ours) return;
         drop_unrouted(from, frame);
-        if (to_host) entry(from.link).traffic.untaken.note(now_);
+        if (to_host) entry(from.link).traffic.undelivered.note(now_);
     } else if (to_host && !route.channels.empty()) {
-        Untaken& untaken = entry(from.link).traffic.untaken;
-        if (route.host_is_down && router_.are_all_down(route.channels)) untaken.note(now_);
-        else untaken.taken();
+        Undelivered& undelivered = entry(from.link).traffic.undelivered;
+        if (route.host_is_down && router_.are_all_down(route.channels)) undelivered.note(now_);
+        else undelivered.delivered();
     }
 }
 
@@ -197,20 +198,20 @@ void Forwarder::offer(ChannelId from, ChannelId to, ano::FrameView frame, QueueP
     Channel& channel = *channels_[index(to)];
     const ano::FrameView before = frame;
     SendCause cause = nullptr;
-    bool takes_few = false;
+    bool is_limited = false;
     if (arrived_at < now_ && channel.outbox.is_open() && channel.outbox.is_stale(policy, now_ - arrived_at)) {
         ++entry(channel.link).traffic.came_stale;
         cause = &SendCounters::stale;    // does not count for limits, and no answer is awaited
     } else {
-        channel.hosts_spoke = channel.hosts_spoke || ano::address::is_host(frame.source());
+        channel.had_host_frames = channel.had_host_frames || ano::address::is_host(frame.source());
         if (ruled_.contains(channel.link)) {
             cause = rewrite(entry(channel.link), frame);
-            takes_few = channel.questions != nullptr;
+            is_limited = channel.questions != nullptr;
         }
     }
     if (cause) {
         channel.outbox.refuse(cause);
-    } else if (takes_few) {
+    } else if (is_limited) {
         cause = ask(from, channel, frame, policy, arrived_at);
     } else {
         cause = channel.outbox.push(frame, policy, arrived_at, from);
@@ -224,8 +225,8 @@ void Forwarder::offer(ChannelId from, ChannelId to, ano::FrameView frame, QueueP
             duplicates_.asked(group, now_);
         }
     }
-    if (!hear_fates_.empty()) [[unlikely]]
-        for (Observer* observer : hear_fates_) {
+    if (!fate_observers_.empty()) [[unlikely]]
+        for (Observer* observer : fate_observers_) {
             if (cause) observer->refused(channel.link, frame, cause);
             else observer->offered(channel, frame, from);
         }
@@ -247,8 +248,8 @@ SendCause Forwarder::rewrite(LinkEntry& link, ano::FrameView& frame) {
 
 void Forwarder::drop(Channel& from, ano::FrameView frame, ReceiveCause cause) {
     ++(from.routed.*cause);
-    if (!hear_fates_.empty()) [[unlikely]]
-        for (Observer* observer : hear_fates_) observer->dropped(from, frame, cause);
+    if (!fate_observers_.empty()) [[unlikely]]
+        for (Observer* observer : fate_observers_) observer->dropped(from, frame, cause);
 }
 
 // Counts a frame for the link that was sent on none of its channels.
@@ -256,8 +257,8 @@ void Forwarder::refuse(LinkId to, ano::FrameView frame, SendCause cause) {
     SendCounters& gone = entry(to).traffic.gone_sent;
     ++gone.offered;
     ++(gone.*cause);
-    if (!hear_fates_.empty()) [[unlikely]]
-        for (Observer* observer : hear_fates_) observer->refused(to, frame, cause);
+    if (!fate_observers_.empty()) [[unlikely]]
+        for (Observer* observer : fate_observers_) observer->refused(to, frame, cause);
 }
 
 }    // namespace anogate

@@ -119,15 +119,15 @@ Channel* Forwarder::open_channel(LinkId id, std::string peer, TimePoint now) {
     const ForwarderLink& settings = link.settings;
     auto& opened = channels_[index(channel)];
     opened = std::make_unique<Channel>(channel, id, std::move(peer), settings.parser, settings.outbox, now);
-    if (settings.takes_few_questions)
+    if (settings.limits_questions)
         opened->questions = std::make_unique<QuestionQueue>(
             opened->outbox, QuestionQueue::Options{settings.outbox.bytes, settings.outbox.age.rest});
     used_.insert(channel);
     ++version_;
-    if (!hear_departures_.empty()) opened->outbox.watch(this, channel);
+    if (!departure_observers_.empty()) opened->outbox.watch(this, channel);
     link.traffic.channels.insert(channel);
     router_.open(channel, id);
-    loop_guard_.open(channel, id, settings.route.group, settings.takes_probes, now);
+    loop_guard_.open(channel, id, settings.route.group, settings.allows_probes, now);
     return opened.get();
 }
 
@@ -175,9 +175,9 @@ void Forwarder::add_observer(Observer& observer, Observer::Wants wants) {
         else if (is_wanted && place == all.end()) all.push_back(&observer);
     };
     put(observers_, true);
-    put(hear_arrivals_, wants.arrivals);
-    put(hear_fates_, wants.fates);
-    put(hear_departures_, wants.departures);
+    put(arrival_observers_, wants.arrivals);
+    put(fate_observers_, wants.fates);
+    put(departure_observers_, wants.departures);
     put(always_, wants.always);
     watch_outboxes();
 }
@@ -188,15 +188,15 @@ void Forwarder::remove_observer(Observer& observer) {
 }
 
 void Forwarder::watch_outboxes() noexcept {
-    for (const ChannelId id : used_) channels_[index(id)]->outbox.watch(hear_departures_.empty() ? nullptr : this, id);
+    for (const ChannelId id : used_) channels_[index(id)]->outbox.watch(departure_observers_.empty() ? nullptr : this, id);
 }
 
 void Forwarder::left(ChannelId channel, ano::FrameView frame) noexcept {
-    for (Observer* observer : hear_departures_) observer->left(*channels_[index(channel)], frame);
+    for (Observer* observer : departure_observers_) observer->left(*channels_[index(channel)], frame);
 }
 
 void Forwarder::dropped(ChannelId channel, ano::FrameView frame, SendCause cause) noexcept {
-    for (Observer* observer : hear_departures_) observer->gave_up(*channels_[index(channel)], frame, cause);
+    for (Observer* observer : departure_observers_) observer->discarded(*channels_[index(channel)], frame, cause);
 }
 
 void Forwarder::grow_older(Duration time) {

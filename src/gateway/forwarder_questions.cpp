@@ -32,12 +32,12 @@ void Forwarder::tick(TimePoint now) {
     if (asks_ && router_.has_question(now_)) ask_holders();
 }
 
-void Forwarder::say(ChannelId to, ano::FrameView frame, TimePoint now) {
+void Forwarder::send_own(ChannelId to, ano::FrameView frame, TimePoint now) {
     now_ = now;
-    say(to, frame);
+    send_own(to, frame);
 }
 
-void Forwarder::say(ChannelId to, ano::FrameView frame) {
+void Forwarder::send_own(ChannelId to, ano::FrameView frame) {
     ++frame_number_;
     offer(ourselves, to, frame, policy(frame), now_);
 }
@@ -66,8 +66,8 @@ void Forwarder::send_on(Channel& from, ano::FrameView frame, TimePoint now) {
     now_ = now;
     ++frame_number_;
     note_arrival(from);
-    if (!hear_arrivals_.empty()) [[unlikely]]
-        for (Observer* observer : hear_arrivals_) observer->received(from, frame, arrived_at_);
+    if (!arrival_observers_.empty()) [[unlikely]]
+        for (Observer* observer : arrival_observers_) observer->received(from, frame, arrived_at_);
     if (is_probe(frame)) return drop(from, frame, &ReceiveCounters::looped);    // it would be mistaken for a probe of ours
     if (!admit(from, frame) || !admit_unopened(from, frame)) return;
     const Route route = router_.find(from.link, frame.destination(), now_, ano::intent_of(frame));
@@ -77,15 +77,15 @@ void Forwarder::send_on(Channel& from, ano::FrameView frame, TimePoint now) {
     to_one_place_ = false;
     for (const LinkId to : route.absent) refuse(to, frame, &SendCounters::link_down);
     if (route.channels.empty() && route.absent.empty() && route.via != Via::own) drop_unrouted(from, frame);
-    tell_own(from, frame, route.via);
+    pass_to_own(from, frame, route.via);
 }
 
 void Forwarder::answer(ChannelId to, ano::FrameView frame, TimePoint now) {
     now_ = now;
-    say_and_remember(to, frame);
+    send_own_and_remember(to, frame);
 }
 
-void Forwarder::say_to_heard(ano::FrameView frame, TimePoint now) {
+void Forwarder::send_to_active_channels(ano::FrameView frame, TimePoint now) {
     now_ = now;
     ++frame_number_;
     ChannelSet heard;
@@ -98,8 +98,8 @@ void Forwarder::say_to_heard(ano::FrameView frame, TimePoint now) {
 }
 
 // Stores the frame in the loop guard, since it may be received again on any link.
-void Forwarder::say_and_remember(ChannelId to, ano::FrameView frame) {
-    say(to, frame);
+void Forwarder::send_own_and_remember(ChannelId to, ano::FrameView frame) {
+    send_own(to, frame);
     loop_guard_.remember({frame_key(frame), ourselves, now_}, to, now_);
 }
 
@@ -114,8 +114,8 @@ void Forwarder::send_probes(ChannelId from, ChannelSet channels) {
 }
 
 // No address is learned from a probe, since any gateway may have forwarded it.
-void Forwarder::take_probe(Channel& from, ano::FrameView probe) {
-    if (!loop_guard_.take(probe, from.id, now_)) return drop(from, probe, &ReceiveCounters::looped);
+void Forwarder::receive_probe(Channel& from, ano::FrameView probe) {
+    if (!loop_guard_.accept_probe(probe, from.id, now_)) return drop(from, probe, &ReceiveCounters::looped);
     const std::uint8_t group = entry(from.link).settings.route.group;
     for (const ChannelId to : (loop_guard_.probed() & used_) - from.id)
         if (group == 0 || entry(channels_[index(to)]->link).settings.route.group != group)
@@ -143,15 +143,15 @@ void Forwarder::release_questions() {
 
 // Asks the holders of claimed addresses.
 void Forwarder::ask_holders() {
-    while (const auto question = router_.take_question(now_)) {
+    while (const auto question = router_.pop_question(now_)) {
         const auto bytes = device_info_question(question->address);
-        for (const ChannelId to : question->channels) say_and_remember(to, ano::FrameView{bytes});
+        for (const ChannelId to : question->channels) send_own_and_remember(to, ano::FrameView{bytes});
         ++frame_number_;
     }
 }
 
 // Sends a hello on links on which nothing is received.
-void Forwarder::say_hellos(TimePoint now) {
+void Forwarder::send_hellos(TimePoint now) {
     now_ = now;
     for (const LinkId id : added_) {
         LinkEntry& link = entry(id);
@@ -159,9 +159,9 @@ void Forwarder::say_hellos(TimePoint now) {
         if (!due || *due > now_) continue;
         for (const ChannelId to : link.traffic.channels) {
             if (link.hello->may_be_deaf(heard_at(link))) flush_parser(to);
-            say_and_remember(to, ano::FrameView{hello_frame});
+            send_own_and_remember(to, ano::FrameView{hello_frame});
         }
-        link.hello->said(now_, heard_at(link));
+        link.hello->sent(now_, heard_at(link));
     }
     await_hellos();
 }
@@ -186,15 +186,15 @@ TimePoint Forwarder::heard_at(const LinkEntry& link) const {
 // Called before the channel of the claimant can be closed.
 void Forwarder::note_claimants() {
     Router::Claimant claims;
-    while (router_.take_claimant(claims)) {
+    while (router_.pop_claimant(claims)) {
         const Channel& channel = *channels_[index(claims.channel)];
         claimants_[claims.address] = {channel.link, channel.peer};
     }
 }
 
-std::optional<Conflict> Forwarder::take_conflict() {
+std::optional<Conflict> Forwarder::pop_conflict() {
     Conflict conflict;
-    return router_.take_new_conflict(conflict) ? std::optional{conflict} : std::nullopt;
+    return router_.pop_new_conflict(conflict) ? std::optional{conflict} : std::nullopt;
 }
 
 const Forwarder::Claimant* Forwarder::claimant(const Conflict& conflict) const {

@@ -22,7 +22,7 @@ void Forwarder::replay(Channel& from, ano::FrameView brought) {
     for (const ChannelId to : route.channels) offer(from.id, to, frame, policy(frame), arrived_at_);
     for (const LinkId to : route.absent) refuse(to, frame, &SendCounters::link_down);
     if (route.channels.empty() && route.absent.empty() && route.via != Via::own) drop_unrouted(from, frame);
-    tell_own(from, frame, route.via);
+    pass_to_own(from, frame, route.via);
 }
 
 }    // namespace anogate

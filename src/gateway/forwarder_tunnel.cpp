@@ -8,8 +8,8 @@ namespace anogate {
 bool Forwarder::admit(Channel& from, ano::FrameView frame, TimePoint now) {
     now_ = now;
     note_arrival(from);
-    if (!hear_arrivals_.empty()) [[unlikely]]
-        for (Observer* observer : hear_arrivals_) observer->received(from, frame, arrived_at_);
+    if (!arrival_observers_.empty()) [[unlikely]]
+        for (Observer* observer : arrival_observers_) observer->received(from, frame, arrived_at_);
     return admit(from, frame);
 }
 

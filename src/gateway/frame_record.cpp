@@ -29,7 +29,7 @@ std::uint8_t number_in(const Rows& rows, Cause cause) noexcept {
     return name != names.end() ? static_cast<std::uint8_t>(name - names.begin()) : std::uint8_t{0};
 }
 
-void put(char* at, std::uint64_t number) noexcept {
+void store(char* at, std::uint64_t number) noexcept {
     for (std::size_t i = 0; i < 8; ++i) at[i] = static_cast<char>(number >> 8 * i & 0xFF);
 }
 
@@ -51,8 +51,8 @@ std::string_view text(Direction direction) noexcept {
 }
 
 void write(char* at, const FrameRecord& record) noexcept {
-    put(at, record.time_ns);
-    put(at + 8, record.boottime_ns);
+    store(at, record.time_ns);
+    store(at + 8, record.boottime_ns);
     at[16] = static_cast<char>(record.link);
     at[17] = static_cast<char>(static_cast<std::uint8_t>(record.direction) | (record.is_elsewhere ? FrameRecord::elsewhere : 0));
     at[18] = static_cast<char>(record.cause);
@@ -69,7 +69,7 @@ void append(std::string& records, const FrameRecord& record) {
     write(records.data() + begin, record);
 }
 
-std::optional<FrameRecord> take_record(std::string_view& records) noexcept {
+std::optional<FrameRecord> next_record(std::string_view& records) noexcept {
     if (records.size() < FrameRecord::head) return std::nullopt;
     const auto byte = [&](std::size_t at) { return static_cast<std::uint8_t>(records[at]); };
     const std::string_view behind = records.substr(FrameRecord::head);

@@ -21,7 +21,7 @@ std::string seconds(ano::Duration d) { return std::to_string(in_whole_seconds(d)
 
 // Adds the advice to set `hello`, if the device may wait until it receives something.
 Hint or_hello(const LinkFigures& link, Hint hint) {
-    const bool try_hello = link.waits_to_hear && link.words.may_wait_for_hello && !link.for_hosts;
+    const bool try_hello = link.could_send_hello && link.words.may_wait_for_hello && !link.for_hosts;
     if (hint.id.empty() || !try_hello) return hint;
     hint.text += " (some devices send only after they receive a frame: try hello=on)";
     hint.args.emplace_back("try_hello", true);
@@ -111,7 +111,7 @@ Hint shared(const LinkFigures& link) {
     return hint;
 }
 
-Hint no_taker(std::string_view hosts_link) {
+Hint no_receiver(std::string_view hosts_link) {
     if (hosts_link.empty())
         return {"no_host_takes",
                 "no ground station is registered for this telemetry yet (anoctl and the page see it anyway); have it send a "
@@ -200,7 +200,7 @@ Hint trouble(const LinkFigures& link, bool with_time) {
     if (link.nobody) return no_address(*link.nobody);
     if (link.hidden != 0) return hidden(link.hidden);
     if (link.contradictory != 0) return contradiction(link.contradictory, link.attitude);
-    if (link.untaken_for && *link.untaken_for >= patience) return no_taker(link.hosts_link);
+    if (link.undelivered_for && *link.undelivered_for >= patience) return no_receiver(link.hosts_link);
     const std::uint64_t damaged = in.bad_check + in.expired;
     if (in.frames_in + damaged >= enough_frames && damaged * 10 > in.frames_in)
         return {"many_damaged", "many corrupted frames: check cable, ground and baud rate"};

@@ -25,7 +25,7 @@ std::size_t InFlight::places(ChannelId from) const noexcept {
         slots_.begin(), slots_.end(), [from](const Slot& slot) { return slot.state != State::free && slot.from == from; }));
 }
 
-bool InFlight::give_up_one(ano::TimePoint now) noexcept {
+bool InFlight::expire_one(ano::TimePoint now) noexcept {
     Slot* slot = oldest(State::left, [&](const Slot& s) { return now >= s.left_at + early && places(s.from) > 1; });
     if (slot) *slot = {};
     return slot != nullptr;
@@ -44,7 +44,7 @@ std::size_t InFlight::size() const noexcept {
                                                                   [](const Slot& slot) { return slot.state == State::free; }));
 }
 
-std::optional<ano::TimePoint> InFlight::next_given_up() const noexcept {
+std::optional<ano::TimePoint> InFlight::next_expiry() const noexcept {
     std::optional<ano::TimePoint> first;
     for (const Slot& slot : slots_)
         if (slot.state == State::left) first = std::min(first.value_or(ano::TimePoint::max()), slot.left_at + patience);
@@ -73,7 +73,7 @@ void InFlight::dropped(ano::FrameView frame) noexcept {
     if (slot) *slot = {};
 }
 
-bool InFlight::hear(ano::FrameView frame) noexcept {
+bool InFlight::receive(ano::FrameView frame) noexcept {
     if (!ano::may_answer(frame.id())) return false;
     Slot* slot = oldest(State::left, [&](const Slot& s) { return answers(frame, s.question); });
     if (slot) *slot = {};

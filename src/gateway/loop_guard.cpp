@@ -31,9 +31,9 @@ void LoopGuard::close(ChannelId channel) noexcept {
 
 LoopGuard::Judgement LoopGuard::look_up(const Arrival& arrival, TimePoint now) noexcept {
     Sent* const known = sent_.find(arrival.key, arrival.at);
-    if (!known || sent_.put_at(arrival.key) <= of(arrival.from).opened_at) return {};
+    if (!known || sent_.stored_at(arrival.key) <= of(arrival.from).opened_at) return {};
     const bool in_loop = is_loop(arrival.from, now);
-    if (arrival.acts && goes_round(*known, arrival.from, now)) return {.looped = true};
+    if (arrival.acts && is_circulating(*known, arrival.from, now)) return {.looped = true};
     if (known->from == arrival.from) {
         if (!in_loop) return {.suspect = known->originals > max_surplus};    // a loop with one direction looks like this
         if (!comes_back(*known, arrival, now)) return {};
@@ -50,7 +50,7 @@ LoopGuard::Judgement LoopGuard::look_up(const Arrival& arrival, TimePoint now) n
 
 // Whether a frame returned on the channel on which it was received first. It is expected as often as it was sent into the loop.
 bool LoopGuard::comes_back(Sent& known, const Arrival& arrival, TimePoint now) noexcept {
-    if (sent_.put_at(arrival.key) <= of(arrival.from).loop_since && !(known.channels & loops_).empty()) {
+    if (sent_.stored_at(arrival.key) <= of(arrival.from).loop_since && !(known.channels & loops_).empty()) {
         known.owed = static_cast<std::int8_t>(std::max<int>(known.owed, 1));    // it was sent before the loop was known
         sent_.put(arrival.key, known, now);
     }
@@ -94,7 +94,7 @@ bool LoopGuard::storms(Sent& known, ChannelId from, TimePoint now) noexcept {
 }
 
 // Counts a command on another channel than the one that began with it. True: only a loop repeats it so often.
-bool LoopGuard::goes_round(Sent& known, ChannelId from, TimePoint now) noexcept {
+bool LoopGuard::is_circulating(Sent& known, ChannelId from, TimePoint now) noexcept {
     if (from == known.begun_by) return false;
     known.copied_by.insert(from);
     if (known.again < max_again) return ++known.again, false;
@@ -140,7 +140,7 @@ ano::FrameView LoopGuard::ask(ChannelId channel, TimePoint now) noexcept {
     return ano::FrameView{probe_};
 }
 
-bool LoopGuard::take(ano::FrameView probe, ChannelId from, TimePoint now) noexcept {
+bool LoopGuard::accept_probe(ano::FrameView probe, ChannelId from, TimePoint now) noexcept {
     const auto data = probe.data();
     std::uint64_t station = 0;
     std::uint32_t question = 0;

@@ -124,7 +124,7 @@ std::size_t Outbox::gather(std::span<std::span<const std::uint8_t>> pieces, ano:
     gathered_at_ = now;
     std::size_t count = 0;
     std::size_t total = 0;
-    const auto give = [&](const WaitingFrame& entry, std::size_t from) {
+    const auto append_piece = [&](const WaitingFrame& entry, std::size_t from) {
         pieces[count++] = {arena_.get() + entry.at + from, entry.size - from};
         total += entry.size - from;
     };
@@ -134,14 +134,14 @@ std::size_t Outbox::gather(std::span<std::span<const std::uint8_t>> pieces, ano:
         pieces[count++] = std::span{zero_bytes}.first(total);
         if (total < zeros_) return count;
     }
-    if (begun_ != none && !pieces.empty()) give(entries_[begun_], partly_sent_);
+    if (begun_ != none && !pieces.empty()) append_piece(entries_[begun_], partly_sent_);
     if (count == pieces.size()) return count;
     if (const FairQueue* queue = in_order()) {
         for (Index i = queue->front(); i != none && count < pieces.size();) {
             const WaitingFrame& entry = entries_[i];
             const Index behind = entry.in_flow.behind;
             if (entry.stale_at <= now.time_since_epoch()) drop(i, &SendCounters::stale);
-            else if (total + entry.size <= budget) give(entry, 0);
+            else if (total + entry.size <= budget) append_piece(entry, 0);
             else break;
             i = behind;
         }
@@ -152,9 +152,9 @@ std::size_t Outbox::gather(std::span<std::span<const std::uint8_t>> pieces, ano:
         if (traffic == traffic_classes) break;
         const WaitingFrame& entry = entries_[schedule.next[traffic]];
         if (total + entry.size > budget) break;
-        give(entry, 0);
+        append_piece(entry, 0);
         schedule.shares.leaves(traffic, schedule.sizes);
-        queues_[traffic].take_planned();
+        queues_[traffic].pop_planned();
         if (count == pieces.size()) break;
         look_at(schedule, traffic, now);
     }
@@ -168,7 +168,7 @@ void Outbox::sent(std::size_t bytes) noexcept {
     counters_.flush_bytes += zeros;
     bytes -= zeros;
     while (bytes > 0 && frames_ > 0) {
-        if (begun_ == none) begun_ = take_first();
+        if (begun_ == none) begun_ = pop_first_frame();
         const std::size_t rest = entries_[begun_].size - partly_sent_;
         if (bytes < rest) {
             partly_sent_ += bytes;
@@ -181,7 +181,7 @@ void Outbox::sent(std::size_t bytes) noexcept {
 
 void Outbox::sent_frame() noexcept {
     assert(frames_ > 0);
-    const Index i = begun_ != none ? begun_ : take_first();
+    const Index i = begun_ != none ? begun_ : pop_first_frame();
     ++counters_.frames_out;
     counters_.bytes_out += entries_[i].size;
     if (entries_[i].size == ano::overhead) ++counters_.empty_out;
@@ -197,9 +197,9 @@ void Outbox::sent_frame() noexcept {
 void Outbox::drop_frame(SendCause cause) noexcept {
     assert(frames_ > 0 && begun_ == none);    // otherwise the receiver would read the next frame as the rest of this one
     ++(counters_.*cause);
-    const Index i = take_first();
+    const Index i = pop_first_frame();
     if (in_flight_) in_flight_->dropped(view(i));
-    tell_dropped(view(i), cause);
+    report_dropped(view(i), cause);
     release(i);
     if (empty()) shares_.clear();
 }
@@ -218,7 +218,7 @@ void Outbox::close() noexcept {
     open_ = false;
     counters_.link_down += frames_;
     for (Index i = watch_ ? in_arena_.first : none; i != none; i = entries_[i].in_arena.behind)
-        tell_dropped(view(i), &SendCounters::link_down);
+        report_dropped(view(i), &SendCounters::link_down);
     for (FairQueue& queue : queues_) queue.clear();
     buckets_.fill(no_frames);
     in_arena_ = no_frames;
@@ -255,7 +255,7 @@ bool Outbox::make_room(std::size_t size, TrafficClass traffic) noexcept {
         for (std::size_t t = 0; t < own; ++t) higher += queues_[t].bytes();
         if (!may_push_out && higher > 0 && begun + higher + size > options_.bytes) return false;
         while (bytes_ + size > options_.bytes && bytes_ > begun)
-            drop(queues_[gives_way(own, may_push_out)].gives_way(), &SendCounters::queue_full);
+            drop(queues_[next_evicted(own, may_push_out)].next_evicted(), &SendCounters::queue_full);
     }
     if (end_ + size > capacity_) compact();
     return true;
@@ -263,7 +263,7 @@ bool Outbox::make_room(std::size_t size, TrafficClass traffic) noexcept {
 
 // The class that drops a frame to make room for one of the class `own`: the lowest that has more than its reserve. `entitled`:
 // `own` has not used up its reserve, so that higher classes drop frames as well.
-std::size_t Outbox::gives_way(std::size_t own, bool entitled) const noexcept {
+std::size_t Outbox::next_evicted(std::size_t own, bool entitled) const noexcept {
     for (std::size_t t = traffic_classes; t-- > (entitled ? 0 : own);)
         if (t == own ? !entitled && !queues_[t].empty() : has_more(queues_[t])) return t;
     std::size_t lowest = traffic_classes - 1;
@@ -317,12 +317,12 @@ void Outbox::release(Index i) noexcept {
 }
 
 void Outbox::drop(Index i, SendCause cause) noexcept {
-    tell_dropped(view(i), cause);
+    report_dropped(view(i), cause);
     ++(counters_.*cause);
     if (in_flight_) in_flight_->dropped(view(i));
     leave_bucket(i);
     queues_[entries_[i].traffic].remove(i);
-    note_taken(entries_[i].traffic);
+    update_waiting_class(entries_[i].traffic);
     release(i);
 }
 
@@ -346,13 +346,13 @@ void Outbox::look_at(Schedule& plan, std::size_t traffic, ano::TimePoint now) no
     plan.sizes[traffic] = i != none ? entries_[i].size : 0;
 }
 
-Outbox::Index Outbox::take_first() noexcept {
+Outbox::Index Outbox::pop_first_frame() noexcept {
     if (FairQueue* queue = in_order()) {
         const Index i = queue->front();
         shares_.leaves_alone(entries_[i].traffic, entries_[i].size);
         leave_bucket(i);
-        queue->take_front();
-        note_taken(entries_[i].traffic);
+        queue->pop_front();
+        update_waiting_class(entries_[i].traffic);
         return i;
     }
     ClassShares::Sizes sizes{};
@@ -366,8 +366,8 @@ Outbox::Index Outbox::take_first() noexcept {
     const Index i = next[traffic];
     shares_.leaves(traffic, sizes);
     leave_bucket(i);
-    queues_[traffic].take();
-    note_taken(traffic);
+    queues_[traffic].pop();
+    update_waiting_class(traffic);
     return i;
 }
 

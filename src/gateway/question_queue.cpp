@@ -20,7 +20,7 @@ QuestionQueue::QuestionQueue(Outbox& outbox, const Options& options)
       room_{2 * options.bytes},
       frames_{max_frames(options)},
       turns_{frames_.get(), max_frames(options), one_by_one} {
-    outbox_.tell(&in_flight_);
+    outbox_.set_in_flight(&in_flight_);
 }
 
 SendCause QuestionQueue::push(ano::FrameView frame, QueuePolicy policy, ano::TimePoint now, ChannelId from,
@@ -40,7 +40,9 @@ void QuestionQueue::grow_older(ano::Duration time) noexcept {
     for (FrameIndex i = in_room_.first; i != no_frame; i = frames_[i].in_arena.behind) frames_[i].stale_at -= time;
 }
 
-bool QuestionQueue::hear(ano::FrameView frame, ano::TimePoint now) noexcept { return in_flight_.hear(frame) && release(now); }
+bool QuestionQueue::receive(ano::FrameView frame, ano::TimePoint now) noexcept {
+    return in_flight_.receive(frame) && release(now);
+}
 
 bool QuestionQueue::release(ano::TimePoint now) noexcept {
     bool released = false;
@@ -51,7 +53,7 @@ bool QuestionQueue::release(ano::TimePoint now) noexcept {
         } else if (const auto next = next_sender()) {
             hand_over(turns_.first_of(*next, 0), *next);
             released = true;
-        } else if (!somebody_has_none() || !in_flight_.give_up_one(now)) {
+        } else if (!has_sender_without_question() || !in_flight_.expire_one(now)) {
             break;
         }
     }
@@ -70,7 +72,7 @@ std::optional<ChannelId> QuestionQueue::next_sender() const noexcept {
     return best;
 }
 
-bool QuestionQueue::somebody_has_none() const noexcept {
+bool QuestionQueue::has_sender_without_question() const noexcept {
     for (std::size_t c = 0; c < senders; ++c)
         if (is_waiting(static_cast<ChannelId>(c)) && in_flight_.places(static_cast<ChannelId>(c)) == 0) return true;
     return false;
@@ -79,8 +81,8 @@ bool QuestionQueue::somebody_has_none() const noexcept {
 // Questions that wait in the outbox may be dropped there without notice, so check again after some time.
 std::optional<ano::TimePoint> QuestionQueue::next_look(ano::TimePoint now) const noexcept {
     if (turns_.empty()) return std::nullopt;
-    ano::TimePoint room_at = in_flight_.next_given_up().value_or(now + InFlight::patience);
-    if (const auto early = in_flight_.next_early(); early && somebody_has_none()) room_at = std::min(room_at, *early);
+    ano::TimePoint room_at = in_flight_.next_expiry().value_or(now + InFlight::patience);
+    if (const auto early = in_flight_.next_early(); early && has_sender_without_question()) room_at = std::min(room_at, *early);
     return std::min(room_at, stale_at(oldest()));
 }
 
@@ -106,7 +108,7 @@ SendCause QuestionQueue::store(ano::FrameView frame, ano::TimePoint arrived_at, 
         ++counters_.queue_full;
         return &SendCounters::queue_full;
     }
-    while (turns_.bytes() + bytes.size() > options_.bytes) drop(turns_.gives_way(), &SendCounters::queue_full);
+    while (turns_.bytes() + bytes.size() > options_.bytes) drop(turns_.next_evicted(), &SendCounters::queue_full);
     if (end_ + bytes.size() > 2 * options_.bytes) compact();
     const FrameIndex i = free_ != no_frame ? free_ : used_++;
     WaitingFrame& entry = frames_[i];
@@ -126,7 +128,7 @@ void QuestionQueue::hand_over(FrameIndex i, ChannelId from) noexcept {
     const ano::FrameView frame{{room_.get() + frames_[i].at, frames_[i].size}};
     --counters_.offered;    // from now on, the outbox counts the question
     const SendCause cause = outbox_.push(frame, policy_of(frame.id()), stale_at(i) - options_.age, from);
-    if (cause) outbox_.tell_dropped(frame, cause);
+    if (cause) outbox_.report_dropped(frame, cause);
     served_[index(from)] = ++handed_over_;
     turns_.remove(i);
     forget(i);
@@ -134,7 +136,7 @@ void QuestionQueue::hand_over(FrameIndex i, ChannelId from) noexcept {
 
 void QuestionQueue::drop(FrameIndex i, SendCause cause) noexcept {
     ++(counters_.*cause);
-    outbox_.tell_dropped(ano::FrameView{{room_.get() + frames_[i].at, frames_[i].size}}, cause);
+    outbox_.report_dropped(ano::FrameView{{room_.get() + frames_[i].at, frames_[i].size}}, cause);
     turns_.remove(i);
     forget(i);
 }

@@ -67,7 +67,7 @@ void Router::forget_conflict(std::uint8_t address) {
     conflicts_[address] = {};
     new_conflicts_.reset(address);
     new_claimants_.reset(address);
-    untold_ = new_conflicts_.any() || new_claimants_.any();
+    has_unreported_ = new_conflicts_.any() || new_claimants_.any();
 }
 
 void Router::pin(std::uint8_t first, std::uint8_t last, LinkId link) {
@@ -152,7 +152,7 @@ void Router::note_move(std::uint8_t source, ChannelId to) noexcept {
     left_[source] = from;
 }
 
-std::optional<Router::Moved> Router::take_move() noexcept {
+std::optional<Router::Moved> Router::pop_move() noexcept {
     if (new_moves_.none()) return std::nullopt;
     std::size_t a = 0;
     while (!new_moves_[a]) ++a;
@@ -173,7 +173,7 @@ Route Router::route(ChannelId from, std::uint8_t source, std::uint8_t destinatio
 
 Route Router::spread(ChannelId from, std::uint8_t source, std::uint8_t destination, TimePoint now, ano::Intent intent) {
     Route route;
-    route.new_conflict = untold_;
+    route.new_conflict = has_unreported_;
     decide(route, destination, intent, now);
     route.channels.erase(from);
     if (source == destination && route.channels.empty() && route.absent.empty()) to_namesakes(route, source, from, intent);
@@ -349,23 +349,23 @@ std::vector<Conflict> Router::conflicts(TimePoint now) const {
     return result;
 }
 
-std::optional<std::uint8_t> Router::tell_first(std::bitset<256>& untold) {
-    if (untold.none()) return std::nullopt;
+std::optional<std::uint8_t> Router::pop_first(std::bitset<256>& unreported) {
+    if (unreported.none()) return std::nullopt;
     std::size_t a = 0;
-    while (!untold[a]) ++a;
-    untold.reset(a);
-    untold_ = new_conflicts_.any() || new_claimants_.any();
+    while (!unreported[a]) ++a;
+    unreported.reset(a);
+    has_unreported_ = new_conflicts_.any() || new_claimants_.any();
     return static_cast<std::uint8_t>(a);
 }
 
-bool Router::take_new_conflict(Conflict& conflict) {
-    const auto address = tell_first(new_conflicts_);
+bool Router::pop_new_conflict(Conflict& conflict) {
+    const auto address = pop_first(new_conflicts_);
     if (address) conflict = conflicts_[*address];
     return address.has_value();
 }
 
-bool Router::take_claimant(Claimant& claimant) {
-    const auto address = tell_first(new_claimants_);
+bool Router::pop_claimant(Claimant& claimant) {
+    const auto address = pop_first(new_claimants_);
     if (address) claimant = {*address, claimants_[*address]};
     return address.has_value();
 }
@@ -426,7 +426,7 @@ void Router::come_back(std::uint8_t source, ChannelId from, TimePoint now) {
 bool Router::heard_again(ChannelId from, std::uint8_t source, TimePoint now) {
     if (!known_[source].contains(from) && !first_[source].contains(from)) return false;
     learn(from, source, now);
-    return untold_;
+    return has_unreported_;
 }
 
 bool Router::holds(std::uint8_t source, ChannelId channel) const noexcept {
@@ -473,8 +473,8 @@ void Router::refuse(std::uint8_t source, TimePoint now) {
     note_conflict(source, links_of(rivals(source, claimant)) | link_of_[index(claimant)], claimant, now);
 }
 
-std::optional<Router::Question> Router::take_question(TimePoint now) {
-    while (const auto due = claims_.take(now)) {
+std::optional<Router::Question> Router::pop_question(TimePoint now) {
+    while (const auto due = claims_.next_due(now)) {
         if (!due->silent) return Question{due->address, rivals(due->address, due->claimant) - down_};
         move(due->address, due->claimant);
     }
@@ -488,12 +488,12 @@ void Router::note_conflict(std::uint8_t source, LinkSet links, std::optional<Cha
         c.links.clear();
         c.claimed = false;
         new_conflicts_.set(source);
-        untold_ = true;
+        has_unreported_ = true;
     }
     if (claimant) {
         claimants_[source] = *claimant;
         new_claimants_.set(source);
-        untold_ = true;
+        has_unreported_ = true;
         c.claimed = true;
     }
     c.address = source;

@@ -40,7 +40,7 @@ bool exists_only_in_v8(std::uint8_t id) noexcept {
 }
 
 // `size` bytes, filled with zeros behind the text.
-void put_text(std::string_view text, std::uint8_t* at, std::size_t size) noexcept {
+void append_string(std::string_view text, std::uint8_t* at, std::size_t size) noexcept {
     const std::size_t n = std::min(text.size(), size);
     std::copy_n(text.begin(), n, at);
     std::fill(at + n, at + size, std::uint8_t{0});
@@ -281,9 +281,9 @@ void V7Translation::describe_commands(const Origin& origin, Data data, V7Output&
     ano::store(info.data(), number);
     std::copy(command.id.begin(), command.id.end(), info.begin() + 2);
     std::copy(command.types.begin(), command.types.end(), info.begin() + 5);
-    put_text(command.name, info.data() + 13, 20);
+    append_string(command.name, info.data() + 13, 20);
     const std::size_t text = std::min(command.info.size(), info.size() - 33);
-    put_text(command.info, info.data() + 33, text);
+    append_string(command.info, info.data() + 33, text);
     answer(origin, 0xC2, Data{info}.first(33 + text), output);
 }
 
@@ -295,10 +295,10 @@ void V7Translation::describe_parameter(const Origin& origin, std::uint16_t index
     std::array<std::uint8_t, 80> info{};
     ano::store(info.data(), index);
     info[2] = row.as_f32 ? f32 : i32;
-    put_text(row.name, info.data() + 3, 20);
+    append_string(row.name, info.data() + 3, 20);
     std::size_t size = 23;
     const auto add_text = [&](std::string_view text) {
-        put_text(text, info.data() + size, text.size());
+        append_string(text, info.data() + size, text.size());
         size += text.size();
     };
     const auto add_number = [&](std::uint32_t number) {
@@ -339,7 +339,7 @@ void V7Translation::send_device_info(const Origin& origin, V7Output& output) {
     for (std::size_t i = 0; i < versions_.size(); ++i) ano::store(info.data() + 1 + 2 * i, versions_[i].value);
     ano::store(info.data() + 7, v8_protocol_version);
     const std::size_t name = std::min(settings_.name.size(), info.size() - 9);
-    put_text(settings_.name, info.data() + 9, name);
+    append_string(settings_.name, info.data() + 9, name);
     answer(origin, 0xE3, Data{info}.first(9 + name), output);
 }
 

@@ -13,7 +13,7 @@ using Bytes = std::span<const std::uint8_t>;
 
 constexpr int max_headers = 64;
 constexpr int enough_wrong_frames = 3;    // each fits by chance once in 65536 headers
-constexpr std::size_t enough_text = 64, shown_text = 40;
+constexpr std::size_t enough_text = 64, max_shown_text = 40;
 
 /// A frame layout: the start and the length of DATA.
 struct Layout {
@@ -101,13 +101,13 @@ bool is_text(Bytes bytes) noexcept {
     return line_ends > 0 && controls * 100 <= bytes.size() && (printable * 2 >= bytes.size() || is_chinese_text(bytes));
 }
 
-// At most shown_text characters; `has_utf8`: non-ASCII characters can be displayed.
+// At most max_shown_text characters; `has_utf8`: non-ASCII characters can be displayed.
 std::string escaped(Bytes text, bool has_utf8) {
     std::string shown;
     std::size_t characters = 0;
     for (const std::uint8_t byte : text) {
         const bool continues = has_utf8 && byte >= 0x80 && byte < 0xC0;
-        if (!continues && (characters >= shown_text || (!has_utf8 && shown.size() >= shown_text))) break;
+        if (!continues && (characters >= max_shown_text || (!has_utf8 && shown.size() >= max_shown_text))) break;
         characters += continues ? 0 : 1;
         if (byte == '\n') shown += "\\n";
         else if (byte == '\r') shown += "\\r";
@@ -132,7 +132,7 @@ std::string first_characters(Bytes text, ToUtf8 to_utf8) {
     begin = std::find_if_not(begin, text.end(), is_line_end);
     if (begin == text.end()) begin = text.begin();
     // Whole lines, so that no character is cut.
-    const auto far = begin + std::min<std::ptrdiff_t>(text.end() - begin, 3 * shown_text);
+    const auto far = begin + std::min<std::ptrdiff_t>(text.end() - begin, 3 * max_shown_text);
     auto end = std::find_if(far, text.end(), is_line_end);
     if (end == text.end()) end = far;
     const std::string utf8 = to_utf8 != nullptr ? to_utf8(Bytes{begin, end}) : std::string{};

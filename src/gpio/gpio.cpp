@@ -15,7 +15,7 @@ Duration pulse_of(const GpioSettings& settings) {
     return settings.use == GpioUse::power ? Duration{std::chrono::seconds{1}} : Duration{std::chrono::milliseconds{100}};
 }
 
-constexpr Duration telling_apart = std::chrono::seconds{1};    // between log lines: a bouncing switch must not fill the disk
+constexpr Duration log_interval = std::chrono::seconds{1};    // between log lines: a bouncing switch must not fill the disk
 
 double seconds(Duration d) { return std::chrono::duration<double>{d}.count(); }
 
@@ -137,7 +137,7 @@ void Gpio::ring(Line& line) {
     if (line.settings().use == GpioUse::activity) {
         blink(line, now);
     } else if (line.settings().use == GpioUse::inhibit) {
-        if (line.untold > 0) tell_inhibit(line, now);
+        if (line.unlogged > 0) log_inhibit(line, now);
     } else if (line.pulsing) {
         line.pulsing = false;
         line.pin.set(line.settings().use == GpioUse::power);
@@ -194,16 +194,16 @@ void Gpio::inhibit_changed(Line& line) {
     const bool on = !line.pin.is_held() || line.pin.active();
     if (line.inhibit_place) inhibit_.set(*line.inhibit_place, on);
     if (on == std::exchange(line.was_inhibiting, on)) return;
-    ++line.untold;
-    if (!line.alarm.is_set()) tell_inhibit(line, Clock::now());
+    ++line.unlogged;
+    if (!line.alarm.is_set()) log_inhibit(line, Clock::now());
 }
 
-void Gpio::tell_inhibit(Line& line, TimePoint now) {
-    const std::uint64_t changes = std::exchange(line.untold, 0);
+void Gpio::log_inhibit(Line& line, TimePoint now) {
+    const std::uint64_t changes = std::exchange(line.unlogged, 0);
     log_warning("{}: {}{}", line.what(),
                 inhibit_.is_on(*line.inhibit_place) ? "on, control frames are dropped" : "off, control frames are forwarded",
                 changes > 1 ? ", changed " + std::to_string(changes) + " times" : "");
-    line.alarm.set(now + telling_apart);
+    line.alarm.set(now + log_interval);
 }
 
 }    // namespace anogate

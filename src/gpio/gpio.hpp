@@ -64,7 +64,7 @@ private:
     void arm(Line& line);
     void changed(Line& line);
     void inhibit_changed(Line& line);
-    void tell_inhibit(Line& line, TimePoint now);
+    void log_inhibit(Line& line, TimePoint now);
 
     asio::io_context& io_;
     AlarmClock& alarms_;
@@ -97,7 +97,7 @@ struct Gpio::Line {
     bool was_held = false;
     bool started = false;
     std::optional<bool> was_inhibiting{};    // std::nullopt: not reported yet
-    std::uint64_t untold = 0;                // changes of an inhibit switch that are not logged yet
+    std::uint64_t unlogged = 0;              // changes of an inhibit switch that are not logged yet
 };
 
 /// "link_up" and so on.

@@ -16,7 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // The request for a line, the same for both versions of libgpiod.
-struct Want {
+struct LineRequest {
     std::string consumer;    // our name in `gpioinfo`
     bool output;
     bool active;
@@ -64,7 +64,7 @@ gpiod::line::bias bias_of(GpioBias bias) {
 
 gpiod::line::value value_of(bool active) { return active ? gpiod::line::value::ACTIVE : gpiod::line::value::INACTIVE; }
 
-gpiod::line_settings settings_of(const Want& want) {
+gpiod::line_settings settings_of(const LineRequest& want) {
     gpiod::line_settings settings;
     settings.set_active_low(want.active_low);
     settings.set_bias(bias_of(want.bias));
@@ -81,14 +81,14 @@ gpiod::line_settings settings_of(const Want& want) {
 }    // namespace
 
 struct GpioLine::Request {
-    Request(Chip& chip, unsigned line, const Want& want)
+    Request(Chip& chip, unsigned line, const LineRequest& want)
         : offset{line},
           request{
               chip.chip.prepare_request().set_consumer(want.consumer).add_line_settings(line, settings_of(want)).do_request()} {}
     void set(bool active) { request.set_value(offset, value_of(active)); }
     bool value() { return request.get_value(offset) == gpiod::line::value::ACTIVE; }
     int descriptor() const { return request.fd(); }
-    std::size_t take_edges() { return request.read_edge_events(buffer); }
+    std::size_t read_edges() { return request.read_edge_events(buffer); }
 
     gpiod::line::offset offset;
     gpiod::line_request request;
@@ -115,7 +115,7 @@ struct Chip {
     gpiod::chip chip;
 };
 
-std::bitset<32> flags_of(const Want& want) {
+std::bitset<32> flags_of(const LineRequest& want) {
     std::bitset<32> flags;
     if (want.active_low) flags |= gpiod::line_request::FLAG_ACTIVE_LOW;
     if (want.bias == GpioBias::disabled) flags |= gpiod::line_request::FLAG_BIAS_DISABLE;
@@ -127,7 +127,7 @@ std::bitset<32> flags_of(const Want& want) {
 }    // namespace
 
 struct GpioLine::Request {
-    Request(Chip& chip, unsigned offset, const Want& want) : line{chip.chip.get_line(offset)} {
+    Request(Chip& chip, unsigned offset, const LineRequest& want) : line{chip.chip.get_line(offset)} {
         line.request({want.consumer, want.output ? gpiod::line_request::DIRECTION_OUTPUT : gpiod::line_request::EVENT_BOTH_EDGES,
                       flags_of(want)},
                      want.active);
@@ -135,7 +135,7 @@ struct GpioLine::Request {
     void set(bool active) { line.set_value(active); }
     bool value() { return line.get_value() != 0; }
     int descriptor() const { return line.event_get_fd(); }
-    std::size_t take_edges() { return line.event_read_multiple().size(); }
+    std::size_t read_edges() { return line.event_read_multiple().size(); }
 
     gpiod::line line;    // keeps its chip open
 };
@@ -226,7 +226,7 @@ Place find(const GpioSettings& settings) {
     return place;
 }
 
-std::string shown(const std::string& chip, unsigned offset, const LineFacts& facts) {
+std::string format_line(const std::string& chip, unsigned offset, const LineFacts& facts) {
     return chip + " line " + std::to_string(offset) + (facts.name.empty() ? "" : " (" + facts.name + ")");
 }
 
@@ -236,7 +236,7 @@ std::string why_not(const Place& place, int error) {
         facts = place.chip->facts(place.offset);
     } catch (const std::exception&) {    // the facts are optional
     }
-    const std::string line = shown(place.chip_name, place.offset, facts);
+    const std::string line = format_line(place.chip_name, place.offset, facts);
     if (error == EBUSY)
         return line + " is in use by " + (facts.consumer.empty() ? "another program or the kernel" : facts.consumer);
     if (error == EACCES || error == EPERM) return line + ": no permission";
@@ -265,7 +265,7 @@ GpioLine::~GpioLine() = default;
 Expected<std::unique_ptr<GpioLine>> GpioLine::open(const GpioSettings& settings, bool output, bool active) {
     Place place = find(settings);
     if (!place.error.empty()) return Unexpected{std::move(place.error)};
-    const Want want{consumer(settings.use), output, active, settings.active_low, settings.bias};
+    const LineRequest want{consumer(settings.use), output, active, settings.active_low, settings.bias};
     try {
         auto request = std::make_unique<Request>(*place.chip, place.offset, want);
         std::string name = place.chip->facts(place.offset).name;
@@ -300,9 +300,9 @@ std::optional<bool> GpioLine::value() noexcept {
 
 UniqueFd GpioLine::edge_descriptor() const { return UniqueFd{::fcntl(request_->descriptor(), F_DUPFD_CLOEXEC, 0)}; }
 
-std::optional<unsigned> GpioLine::take_edges() noexcept {
+std::optional<unsigned> GpioLine::read_edges() noexcept {
     try {
-        return static_cast<unsigned>(request_->take_edges());
+        return static_cast<unsigned>(request_->read_edges());
     } catch (const std::exception& e) {
         const int error = error_of(e);
         return error == EAGAIN || error == EINTR ? std::optional{0u} : std::nullopt;

@@ -29,7 +29,7 @@ public:
     /// For an input: readable when there are edges. Empty if no more descriptors can be opened.
     UniqueFd edge_descriptor() const;
     /// Reads the waiting edges, at most 16 per call, and returns their number; std::nullopt: the chip was removed.
-    std::optional<unsigned> take_edges() noexcept;
+    std::optional<unsigned> read_edges() noexcept;
 
     const std::string& chip() const noexcept { return chip_; }    // "gpiochip0"
     unsigned offset() const noexcept { return offset_; }

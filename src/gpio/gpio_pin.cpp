@@ -50,15 +50,15 @@ bool GpioPin::read_value() {
         return false;
     }
     events_.open(std::move(events));
-    events_.read_with([this] { take_edges(); });
+    events_.read_with([this] { read_edges(); });
     active_ = *level;
     return true;
 }
 
 // The kernel stores 16 edges and drops more, so the level is read after the edges and determines the value. A later edge causes
 // another call.
-void GpioPin::take_edges() {
-    const auto edges = line_->take_edges();
+void GpioPin::read_edges() {
+    const auto edges = line_->read_edges();
     const auto level = edges ? line_->value() : std::nullopt;
     if (!level) return lose();
     count(*edges);

@@ -47,7 +47,7 @@ private:
     Opened<void> open();
     void not_held(std::string why);
     bool read_value();
-    void take_edges();
+    void read_edges();
     void lose();
     void count(std::uint64_t edges);
 

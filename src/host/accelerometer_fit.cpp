@@ -92,7 +92,7 @@ double SixFaces::spread(Face face) const noexcept {
     return std::sqrt(std::max(0.0, variance));
 }
 
-void SixFaces::take(const Vector& acceleration, const Vector& rotation) noexcept {
+void SixFaces::add(const Vector& acceleration, const Vector& rotation) noexcept {
     last_[taken_++ % window] = {acceleration, rotation};
     judge();
     if (!is_still() || !face_) return;

@@ -9,7 +9,7 @@ constexpr std::uint8_t locked = 0;
 
 }    // namespace
 
-void AirGuard::hear(FrameView frame, TimePoint now) noexcept {
+void AirGuard::receive(FrameView frame, TimePoint now) noexcept {
     if (const auto mode = as<"mode">(frame)) devices_[frame.source()].in_the_air = mode->get<"sflag">() != locked;
     if (!writes(frame)) return;
     const auto is_written = [&](DeviceState& device) {
@@ -26,9 +26,9 @@ std::optional<std::uint8_t> AirGuard::other_writer(std::uint8_t address, TimePoi
     return device.writer;
 }
 
-std::optional<Refusal> AirGuard::refusal(Deed deed, std::uint8_t address, Whereabouts where, bool force) const noexcept {
+std::optional<Refusal> AirGuard::refusal(Operation operation, std::uint8_t address, RouteInfo where, bool force) const noexcept {
     if (address == address::broadcast || address == address::unassigned || address::is_host(address)) return Refusal::no_device;
-    if (deed != Deed::ground) return std::nullopt;
+    if (operation != Operation::ground) return std::nullopt;
     if (!where.is_known) return Refusal::not_known;
     if (where.in_conflict) return Refusal::in_conflict;
     if (where.on_several_channels) return Refusal::on_several_channels;

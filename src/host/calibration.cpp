@@ -107,7 +107,7 @@ CalibrationWrite::CalibrationWrite(Device& device, DescriptionCache* cache, Sens
 
 void CalibrationWrite::start(TimePoint now) {
     apply_.on_end([this](TimePoint then) { applied(then); });
-    use_.on_end([this](TimePoint then) { told(then); });
+    use_.on_end([this](TimePoint then) { on_use_ended(then); });
     again_.on_end([this](TimePoint then) { read_back(then); });
     apply_.mean(identity());
     use_.mean(identity());
@@ -121,7 +121,7 @@ void CalibrationWrite::applied(TimePoint now) {
     use_.start(now);
 }
 
-void CalibrationWrite::told(TimePoint now) {
+void CalibrationWrite::on_use_ended(TimePoint now) {
     if (use_.end()->ending != Ending::done) return finish_as(use_, now);
     std::vector<std::string> names;
     for (const auto& [name, value] : values_) names.push_back(name);
@@ -282,7 +282,7 @@ void Calibration::restarted(std::string sign, TimePoint now) {
             now);
 }
 
-void Calibration::hear(FrameView frame, TimePoint now) {
+void Calibration::receive(FrameView frame, TimePoint now) {
     const bool is_cleared = step_ == Step::clear && watch_;
     const bool is_corrected = step_ == Step::verify || step_ == Step::prove;
     const bool measures = is_cleared || step_ == Step::turn || step_ == Step::confirm || is_corrected;
@@ -291,29 +291,29 @@ void Calibration::hear(FrameView frame, TimePoint now) {
     if (is_cleared && reading_->end()) read_values(&Calibration::read_cleared, now);
     if (sensor_ == Sensor::accelerometer) {
         if (const auto m = as<"inertial">(frame))
-            take_inertial({double(m->get<"acc_x">()), double(m->get<"acc_y">()), double(m->get<"acc_z">())},
-                          {m->get<"gyr_x">(), m->get<"gyr_y">(), m->get<"gyr_z">()}, now);
+            add_inertial({double(m->get<"acc_x">()), double(m->get<"acc_y">()), double(m->get<"acc_z">())},
+                         {m->get<"gyr_x">(), m->get<"gyr_y">(), m->get<"gyr_z">()}, now);
         return;
     }
-    const auto take = [&](const auto& m) {
+    const auto add = [&](const auto& m) {
         if (m)
-            take_field(
+            add_field(
                 {double(m->template get<"mag_x">()), double(m->template get<"mag_y">()), double(m->template get<"mag_z">())},
                 now);
     };
-    take(as<"compass">(frame));
-    take(as<"compass", "field">(frame));
+    add(as<"compass">(frame));
+    add(as<"compass", "field">(frame));
 }
 
-void Calibration::take_inertial(const Vector& acceleration, const Vector& rotation, TimePoint now) {
+void Calibration::add_inertial(const Vector& acceleration, const Vector& rotation, TimePoint now) {
     if (is_gone_on(now)) return;
     const auto sample = mean_with(acceleration, rotation, now);
     if (!sample) return;
     if (step_ == Step::verify) {
-        accelerometer_check_->take(sample->first, sample->second);
+        accelerometer_check_->add(sample->first, sample->second);
         return verify(now);
     }
-    faces_.take(sample->first, sample->second);
+    faces_.add(sample->first, sample->second);
     if (faces_.is_complete()) measured(now);
 }
 
@@ -333,13 +333,13 @@ std::optional<std::pair<Vector, Vector>> Calibration::mean_with(const Vector& ac
     return mean;
 }
 
-void Calibration::take_field(const Vector& field, TimePoint now) {
+void Calibration::add_field(const Vector& field, TimePoint now) {
     if (is_gone_on(now)) return;
     if (step_ == Step::verify) {
-        compass_check_->take(field);
+        compass_check_->add(field);
         return verify(now);
     }
-    sphere_.take(field);
+    sphere_.add(field);
     if (sphere_.is_complete()) measured(now);
 }
 

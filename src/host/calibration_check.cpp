@@ -47,15 +47,15 @@ std::vector<Face> faces_that_prove(const AccelerometerCalibration& calibration, 
     return chosen;
 }
 
-void AccelerometerCheck::take(const Vector& acceleration, const Vector& rotation) noexcept {
-    samples_.take(acceleration, rotation);
+void AccelerometerCheck::add(const Vector& acceleration, const Vector& rotation) noexcept {
+    samples_.add(acceleration, rotation);
     if (samples_.samples(face_) < group) return;
     error_ = error_on(face_, samples_.mean(face_), measure_);
     noise_ = 3 * samples_.spread(face_) / std::sqrt(static_cast<double>(group));
     samples_ = {};
 }
 
-void CompassCheck::take(const Vector& field) noexcept {
+void CompassCheck::add(const Vector& field) noexcept {
     covered_.set(CompassSphere::cell_of(field));
     const double off = std::hypot(field[0], field[1], field[2]) / strength_ - 1;
     squares_ += off * off;

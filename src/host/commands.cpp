@@ -23,15 +23,15 @@ bool is_of_newest(const CommandInfo& info) noexcept {
 }    // namespace
 
 std::optional<CommandInfo> command_info_in(FrameView frame) {
-    const auto said = as<"command_info">(frame);
-    if (!said) return std::nullopt;
-    CommandInfo info{said->get<"cmd_id">(),
-                     {said->get<"cid0">(), said->get<"cid1">(), said->get<"cid2">()},
+    const auto view = as<"command_info">(frame);
+    if (!view) return std::nullopt;
+    CommandInfo info{view->get<"cmd_id">(),
+                     {view->get<"cid0">(), view->get<"cid1">(), view->get<"cid2">()},
                      {},
                      false,
-                     std::string{said->get<"name">()},
-                     std::string{said->get<"info">()}};
-    for (const std::uint8_t number : said->get<"val_type">())
+                     std::string{view->get<"name">()},
+                     std::string{view->get<"info">()}};
+    for (const std::uint8_t number : view->get<"val_type">())
         if (number != 0) info.numbers.push_back(number);
     info = with_type_7(std::move(info), ValueType7::f32);
     info.has_open_type = has_seven(info);
@@ -48,7 +48,7 @@ CommandInfo with_type_7(CommandInfo info, ValueType7 seven) {
     return info;
 }
 
-std::optional<ValueType7> shown_type_7(const CommandInfo& info) noexcept {
+std::optional<ValueType7> reported_type_7(const CommandInfo& info) noexcept {
     if (info.has_open_type) return std::nullopt;
     std::size_t at = 0;
     for (const std::uint8_t number : info.numbers) {
@@ -225,7 +225,7 @@ std::optional<std::string> CommandCall::pack(std::vector<std::uint8_t>& out) con
     for (std::size_t i = 0; i < n; ++i) {
         const Misfit misfit = append(out, values_[i], command_.types[i]);
         if (misfit.empty()) continue;
-        return called() + ": value " + std::to_string(i + 1) + ", " + words_of(values_[i]) + ", " + std::string{misfit} +
+        return called() + ": value " + std::to_string(i + 1) + ", " + to_string(values_[i]) + ", " + std::string{misfit} +
                " for " + std::string{ano::name_of(command_.types[i])};
     }
     return std::nullopt;
@@ -251,7 +251,7 @@ void CommandCall::start(TimePoint now) {
 
 void CommandCall::ended(const Ended& ended, TimePoint now) {
     if (ended.outcome == Outcome::answered) {
-        std::string what = words_of_port(ended.evidence);
+        std::string what = format_port_answer(ended.evidence);
         if (ended.evidence.may_be_of_equal)
             what += (what.empty() ? "" : "; ") + called() +
                     " was sent more than once: the acknowledgement does not show which of them was carried out";

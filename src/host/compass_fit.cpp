@@ -50,7 +50,7 @@ std::size_t CompassSphere::cell_of(const Vector& v) noexcept {
     return band * sectors + std::min(static_cast<std::size_t>(round * double{sectors}), sectors - 1);
 }
 
-void CompassSphere::take(const Vector& raw) {
+void CompassSphere::add(const Vector& raw) {
     bool moved = samples_.empty();
     if (moved) min_ = max_ = raw;
     for (std::size_t i = 0; i < 3; ++i) {

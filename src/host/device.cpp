@@ -19,7 +19,7 @@ std::optional<std::uint16_t> parameter_in(FrameView request) noexcept {
 }
 
 bool is_command(const Exchange& exchange) noexcept { return exchange.frame().id() == id_of<"command">; }
-bool goes_first(const Exchange& exchange) noexcept { return exchange.is_urgent() || is_command(exchange); }
+bool has_priority(const Exchange& exchange) noexcept { return exchange.is_urgent() || is_command(exchange); }
 
 }    // namespace
 
@@ -30,8 +30,8 @@ bool Device::ask(const Request& request, Asker& asker) {
     if (!exchange.is_askable() || !may_be_asked(exchange.frame())) return false;
     if (!request.identity) exchange.mean(identity_);
     // A command does not wait for a long list to be read: it is the next frame.
-    const auto first_question = std::find_if_not(waiting_.begin(), waiting_.end(), goes_first);
-    waiting_.insert(goes_first(exchange) ? first_question : waiting_.end(), std::move(exchange));
+    const auto first_question = std::find_if_not(waiting_.begin(), waiting_.end(), has_priority);
+    waiting_.insert(has_priority(exchange) ? first_question : waiting_.end(), std::move(exchange));
     return true;
 }
 
@@ -52,14 +52,14 @@ void Device::forget(const Asker& asker) noexcept {
 Taken Device::take(FrameView frame, TimePoint now) {
     const bool is_its_own = may_be_of(frame.source(), address_);
     if (!is_its_own && !(frame.id() == id_of<"check"> && address::is_port_id(frame.source()))) return Taken::nothing;
-    if (is_its_own) hear(frame, now);
+    if (is_its_own) receive(frame, now);
     if (!may_answer(frame.id())) return Taken::nothing;
     const auto met = std::find_if(sent_.begin(), sent_.end(), [&](const Exchange& e) { return e.expects().is_met_by(frame); });
     if (met == sent_.end()) {
         const Taken taken = past(frame);
         if (taken == Taken::doubled) {
             round_trip_.doubled();
-            window_.came_late();
+            window_.on_late_answer();
         }
         return taken == Taken::unasked && missed(frame, now) ? Taken::ended : taken;
     }
@@ -74,7 +74,7 @@ Taken Device::take(FrameView frame, TimePoint now) {
 }
 
 // Device info and the counts are read from every frame, even if another host asked for it.
-void Device::hear(FrameView frame, TimePoint now) {
+void Device::receive(FrameView frame, TimePoint now) {
     if (heard_at_ && !is_present(now)) {
         forget_data();
         unlike_ = 0;
@@ -82,9 +82,9 @@ void Device::hear(FrameView frame, TimePoint now) {
     note_telemetry(frame, now);
     if (std::exchange(is_lost_, false)) unanswered_doubts_.reset();
     heard_at_ = now;
-    if (const auto said = as<"device_info">(frame)) {
-        DeviceInfo info{said->get<"dev_id">(), said->get<"hw_ver">(), said->get<"sw_ver">(),
-                        said->get<"bl_ver">(), said->get<"pt_ver">(), std::string{said->get<"name">()}};
+    if (const auto view = as<"device_info">(frame)) {
+        DeviceInfo info{view->get<"dev_id">(), view->get<"hw_ver">(), view->get<"sw_ver">(),
+                        view->get<"bl_ver">(), view->get<"pt_ver">(), std::string{view->get<"name">()}};
         const bool is_for_us = frame.destination() == own_ || frame.destination() == address::broadcast;
         const bool is_announced = is_for_us && !answers_for_info(info, now);
         hear_info(std::move(info), is_announced, now);
@@ -270,7 +270,7 @@ bool Device::missed(FrameView frame, TimePoint now) {
     const auto it = std::find_if(sent_.begin(), sent_.end(), is_missed);
     if (it == sent_.end() || std::any_of(std::next(it), sent_.end(), is_missed)) return false;
     if (is_of_the_past(frame)) return false;
-    it->asker()->came_unfit(frame);
+    it->asker()->on_unfit_answer(frame);
     if (!it->miss(frame)) return false;
     end(sent_, it, Outcome::timeout, {}, now);
     return true;
@@ -370,9 +370,9 @@ const Exchange* Device::lost() const noexcept {
 }
 
 bool Device::keeps_back_those_that_yield() const noexcept {
-    const auto goes_first = [](const Exchange& e) { return !e.asker()->yields(); };
-    return on_their_way() >= window() || std::any_of(waiting_.begin(), waiting_.end(), goes_first) ||
-           std::any_of(sent_.begin(), sent_.end(), goes_first);
+    const auto has_priority = [](const Exchange& e) { return !e.asker()->yields(); };
+    return on_their_way() >= window() || std::any_of(waiting_.begin(), waiting_.end(), has_priority) ||
+           std::any_of(sent_.begin(), sent_.end(), has_priority);
 }
 
 // A device that accepts one frame at a time loses a command that arrives while it answers: questions in flight end first, and no
@@ -381,7 +381,7 @@ TimePoint Device::may_go_first_at(const Exchange& exchange) const noexcept {
     const TimePoint line_is_free_at = this->line_is_free_at();
     TimePoint at = waits_until(exchange);
     for (const Exchange& e : sent_)    // sends before the zero bytes on the line don't count
-        if (e.is_on_its_way() && !goes_first(e) && e.last_sent() > line_is_free_at)
+        if (e.is_on_its_way() && !has_priority(e) && e.last_sent() > line_is_free_at)
             at = std::max(at, std::min(e.due(), e.last_sent() + max_wait_of_commands));
     return at;
 }
@@ -409,9 +409,9 @@ const Exchange* Device::next_to_send(TimePoint now) const noexcept {
 // Commands and urgent requests are at the front of the queue.
 const Exchange* Device::first_of_all() const noexcept {
     const auto next = std::find_if(waiting_.begin(), waiting_.end(), [](const Exchange& e) { return !e.is_held(); });
-    if (next != waiting_.end() && goes_first(*next)) return &*next;
+    if (next != waiting_.end() && has_priority(*next)) return &*next;
     const auto again = std::find_if(sent_.begin(), sent_.end(),
-                                    [](const Exchange& e) { return goes_first(e) && !e.is_on_its_way() && !e.is_held(); });
+                                    [](const Exchange& e) { return has_priority(e) && !e.is_on_its_way() && !e.is_held(); });
     return again != sent_.end() ? &*again : nullptr;
 }
 

@@ -134,7 +134,7 @@ void Firmware::ask_frame(TimePoint now) {
     step_ = send_frame;
     const std::size_t at = frame_ * options_.frame_len;
     piece_.resize(std::min(options_.frame_len, image_.bytes.size() - at));
-    if (!image_.bytes.read(at, piece_)) return give_up(Ending::failed, "the file can no longer be read", {}, now);
+    if (!image_.bytes.read(at, piece_)) return abandon(Ending::failed, "the file can no longer be read", {}, now);
     Draft<"firmware", "image"> draft;
     (void)draft.set<"frame_num">(frame_);
     (void)draft.set<"data">(Bytes{piece_});
@@ -165,7 +165,7 @@ void Firmware::not_meant(const Ended&, TimePoint now) {
     finish_another({}, now, erasing_ ? "the one before is left in its boot loader" : "");
 }
 
-void Firmware::came_unfit(FrameView frame) {
+void Firmware::on_unfit_answer(FrameView frame) {
     odd_reply_ = hex_of(device().address()) + " sent 0xF0 with " + spaced_hex(frame.data()) + ", which is not a valid answer";
 }
 
@@ -202,8 +202,8 @@ void Firmware::described(std::optional<FirmwareCode> answer, const Ended& ended,
         return ask_frame(now);
     }
     const bool is_begun_again = purpose_ == Purpose::begin_again || purpose_ == Purpose::begin_after_check;
-    if (!answer && is_begun_again) return give_up(lost_ending_, lost_because_, ended.evidence, now);
-    if (!answer) return give_up(Ending::timeout, silence(ended.evidence), ended.evidence, now);
+    if (!answer && is_begun_again) return abandon(lost_ending_, lost_because_, ended.evidence, now);
+    if (!answer) return abandon(Ending::timeout, silence(ended.evidence), ended.evidence, now);
     if (!accepted) {
         is_refused_ = true;
         const bool fits = !options_.force && !image_.is_for_any_hardware();    // identified() has compared them
@@ -230,7 +230,7 @@ void Firmware::begin_erasing(TimePoint now) {
 
 void Firmware::refused(const Evidence& evidence, TimePoint now) {
     if (purpose_ != Purpose::begin)
-        return give_up(lost_ending_, lost_because_ + ", and does not accept the image again", evidence, now);
+        return abandon(lost_ending_, lost_because_ + ", and does not accept the image again", evidence, now);
     const std::string device_is = hex_of(device().address());
     if (infos_ == 1 || step_ != describe)
         return finish({Ending::refused, device_is + " does not want this image", evidence}, now);
@@ -246,7 +246,7 @@ void Firmware::refused(const Evidence& evidence, TimePoint now) {
 
 void Firmware::erased(const FirmwareCode& answer, const Ended& ended, TimePoint now) {
     if (answer.code == code::erase_failed && is_refused_) return refused(ended.evidence, now);
-    if (answer.code == code::erase_failed) return give_up(Ending::failed, "the device could not erase", ended.evidence, now);
+    if (answer.code == code::erase_failed) return abandon(Ending::failed, "the device could not erase", ended.evidence, now);
     if (is_refused_) order_ = answer.order;
     erasing_ = true;
     frames_since_ = now;
@@ -256,7 +256,7 @@ void Firmware::erased(const FirmwareCode& answer, const Ended& ended, TimePoint 
 void Firmware::check_failed(const Evidence& evidence, TimePoint now) {
     lost_because_ = "the image did not pass the device's check";
     lost_ending_ = Ending::failed;
-    if (repeats_ == 0 || checks_failed_ == max_checks_failed) return give_up(lost_ending_, lost_because_, evidence, now);
+    if (repeats_ == 0 || checks_failed_ == max_checks_failed) return abandon(lost_ending_, lost_because_, evidence, now);
     ++checks_failed_;
     const std::size_t shortest = std::min(options_.frame_len, least_len);
     ask_info(Purpose::begin_after_check, frames_of(shortest) <= max_frames ? shortest : options_.frame_len, now);
@@ -296,12 +296,12 @@ void Firmware::unanswered(const Ended& ended, TimePoint now) {
     if (is_tried()) order_ = order_ == ByteOrder::little ? ByteOrder::big : ByteOrder::little;
     if (orders_ < max_erases) return ask_order(erase, now);
     if (is_refused_) return refused(ended.evidence, now);
-    give_up(Ending::timeout, silence(ended.evidence), ended.evidence, now);
+    abandon(Ending::timeout, silence(ended.evidence), ended.evidence, now);
 }
 
 void Firmware::check_unanswered(const Ended& ended, TimePoint now) {
     if (orders_ < 2) return ask_order(check, now);
-    if (!ended.evidence.unfit.empty()) return give_up(Ending::timeout, silence(ended.evidence), ended.evidence, now);
+    if (!ended.evidence.unfit.empty()) return abandon(Ending::timeout, silence(ended.evidence), ended.evidence, now);
     const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(check_patience).count();
     finish({Ending::timeout,
             hex_of(device().address()) + " has written all " + std::to_string(frames()) + " frames, but did not report within " +
@@ -323,7 +323,7 @@ void Firmware::frame_unanswered(const Ended& ended, TimePoint now) {
 
 // If even the first frame is never received, shorter ones may be.
 void Firmware::begin_again(const std::string& why, Ending or_else, const Evidence& evidence, TimePoint now) {
-    if (lost_frame_ == frame_ || restarts_ == max_restarts) return give_up(or_else, why, evidence, now);
+    if (lost_frame_ == frame_ || restarts_ == max_restarts) return abandon(or_else, why, evidence, now);
     lost_frame_ = frame_;
     lost_because_ = why;
     lost_ending_ = or_else;
@@ -341,12 +341,12 @@ std::string Firmware::silence(const Evidence& evidence) const {
     return device_is + (evidence.is_heard ? " is online, but does not answer: " : " stopped answering: ") + doing;
 }
 
-void Firmware::give_up(Ending ending, const std::string& what, const Evidence& evidence, TimePoint now) {
+void Firmware::abandon(Ending ending, const std::string& what, const Evidence& evidence, TimePoint now) {
     finish({ending, what + std::string{half_done()}, evidence}, now);
 }
 
 void Firmware::cancel(TimePoint now) {
-    give_up(Ending::cancelled, erasing_ || step_ == erase ? "cancelled" : "cancelled, nothing was changed", {}, now);
+    abandon(Ending::cancelled, erasing_ || step_ == erase ? "cancelled" : "cancelled, nothing was changed", {}, now);
 }
 
 }    // namespace ano::host

@@ -123,7 +123,7 @@ bool begins_as_s_record(std::string_view begin) {
 
 struct FileKind {
     std::string_view magic;    // the bytes of the file from `at` on
-    std::string_view says;
+    std::string_view description;
     std::size_t at = 0;
 };
 
@@ -264,7 +264,7 @@ std::string looks_unlike_firmware(const FirmwareBytes& whole) {
     if (begins_as_hex(text)) return "this is an Intel HEX file" + converts + "-I ihex -O binary FILE.hex FILE.bin";
     if (begins_as_s_record(text)) return "this is a Motorola S-record file" + converts + "-I srec -O binary FILE.s19 FILE.bin";
     for (const FileKind& kind : file_kinds)
-        if (begin.substr(std::min(kind.at, begin.size())).starts_with(kind.magic)) return std::string{kind.says};
+        if (begin.substr(std::min(kind.at, begin.size())).starts_with(kind.magic)) return std::string{kind.description};
     if (ends_as_zip(file)) return "this is a ZIP file; unpack it first";
     if (begins_as_form(begin)) return "this is a form of a web page (multipart/form-data); send the file itself";
     if (is_text(begin)) return "this is a text file";

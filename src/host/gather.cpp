@@ -16,7 +16,7 @@ void Gather::gather(std::size_t n, TimePoint now) {
 }
 
 void Gather::ask_more(TimePoint now) {
-    if (gives_up(now)) return;
+    if (is_overdue(now)) return;
     while (!end() && asked_ < max_asked && (!again_.empty() || next_ < total_)) {
         std::uint32_t i = next_;
         if (again_.empty()) {
@@ -52,14 +52,14 @@ void Gather::question_ended(const Ended& ended, TimePoint now) {
     else without_answer(ended.tag, ended, now);
     if (end()) return;
     if (ended.outcome != Outcome::timeout || ended.device_answers) return ask_more(now);
-    take_back();
+    requeue_in_flight();
     Request request = probe();
     request.tag = probing;
     ask(request, now);
 }
 
 // Ends the questions in flight because another one got no answer; this does not count as one of their rounds.
-void Gather::take_back() {
+void Gather::requeue_in_flight() {
     device().forget(*this);
     for (std::uint32_t i = 0; i < next_; ++i) {
         if (!items_[i].is_asked) continue;

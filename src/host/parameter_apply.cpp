@@ -65,7 +65,7 @@ bool ParameterApply::is_restarted() const noexcept {
 }
 
 // A clause, or empty. A restart loses values that were not saved.
-std::string ParameterApply::words_of_restart() const {
+std::string ParameterApply::format_restart() const {
     if (device().announcements() != announcements_) return "the device restarted in the meantime";
     if (device().presence() != presence_) return "the device was offline in the meantime and has probably restarted";
     return lost_ > 0 ? "the device has probably restarted in the meantime" : "";
@@ -85,14 +85,14 @@ std::string ParameterApply::fault_of(const Row& row, const Found& found) const {
     if (!found.parameter->type) return row.name + " has an unknown type";
     const ParameterInfo& info = *found.parameter;
     std::vector<std::uint8_t> wire;
-    std::string misfit = words_of_misfit(append(wire, row.wanted, info), info);
+    std::string misfit = format_misfit(append(wire, row.wanted, info), info);
     const Bytes has = parameters_.bytes(info.id);
     const auto before = value_of(has, info);
     const bool differs = value_of(wire, info) != before && !(before && is_same(row.wanted, *before, info));
     if (misfit.empty() && differs) misfit = length_misfit(wire.size(), has.size(), info);
     if (misfit.empty() && differs) misfit = range_misfit(row.wanted, info, options_.text);
     if (misfit.empty() && *info.type == Type::text && differs) misfit = text_misfit(wire.size(), has.size(), options_.text);
-    return misfit.empty() ? misfit : row.name + ": " + words_of(row.wanted) + ' ' + misfit;
+    return misfit.empty() ? misfit : row.name + ": " + to_string(row.wanted) + ' ' + misfit;
 }
 
 // Determines which rows differ, and whether all rows can be written.
@@ -118,7 +118,7 @@ bool ParameterApply::check(TimePoint now) {
 }
 
 // For one failed row its reason, for several their names; `what` of each row has its reason.
-End ParameterApply::failure(const char* deed) const {
+End ParameterApply::failure(const char* operation) const {
     constexpr std::size_t max_names = 5;
     std::size_t number = 0;
     std::string names, what;
@@ -130,7 +130,7 @@ End ParameterApply::failure(const char* deed) const {
     End end = *why_;
     end.what = std::move(what);
     if (number == 1) return end;
-    end.what = std::to_string(number) + " of " + std::to_string(rows_.size()) + " parameters " + deed + ": " + names;
+    end.what = std::to_string(number) + " of " + std::to_string(rows_.size()) + " parameters " + operation + ": " + names;
     if (number > max_names) end.what += " and " + std::to_string(number - max_names) + " more";
     return end;
 }
@@ -164,7 +164,7 @@ void ParameterApply::row_ended(TimePoint now) {
         repeated_[at_] = true;
         return next(now);
     }
-    if (const std::string restart = words_of_restart(); ended.ending != Ending::done && !is_of_another() && !restart.empty())
+    if (const std::string restart = format_restart(); ended.ending != Ending::done && !is_of_another() && !restart.empty())
         ended.what += "; " + restart + ", so what was written before that may be lost";
     row.what = ended.what;
     row.acknowledged = write_->was_acknowledged();
@@ -221,7 +221,7 @@ void ParameterApply::written_is_read(TimePoint now) {
     if (again_->end()->ending != Ending::done) return fail(*again_->end(), now);
     if (finds_another()) {
         be_of_another();
-        return fail({Ending::failed, words_of_another(), {}}, now);
+        return fail({Ending::failed, format_another_device(), {}}, now);
     }
     std::optional<End> failed;
     bool is_one_lost = false;
@@ -237,7 +237,7 @@ void ParameterApply::written_is_read(TimePoint now) {
         row.stored = again_->value(infos_[i].id);
         row.state = State::failed;
         row.what = hex_of(device().address()) + " has lost " + row.name + " again" +
-                   (row.stored ? ": it is " + words_of(*row.stored) : std::string{});
+                   (row.stored ? ": it is " + to_string(*row.stored) : std::string{});
         if (!failed) failed = End{Ending::failed, row.what, {}};
     }
     if (failed && (options_.rollback || !options_.goes_on)) return fail(*failed, now);
@@ -248,7 +248,7 @@ void ParameterApply::written_is_read(TimePoint now) {
 }
 
 void ParameterApply::finish_written(TimePoint now) {
-    std::string restart = words_of_restart();
+    std::string restart = format_restart();
     if (lost_ > 0)
         restart += ": " + std::to_string(lost_) + (lost_ == 1 ? " value was lost and" : " values were lost and") +
                    " written again";

@@ -29,7 +29,7 @@ std::optional<ParameterLayout> layout_of(const Message* row) noexcept {
     return std::nullopt;
 }
 
-const Message* layout_taken(FrameView frame) noexcept {
+const Message* matching_layout(FrameView frame) noexcept {
     constexpr std::uint8_t id = id_of<"parameter_info">;
     return frame.id() == id ? select_layout(layouts_of(id), frame.data()) : nullptr;
 }
@@ -85,7 +85,7 @@ std::optional<ParameterInfo> parameter_info_in(FrameView frame, ParameterLayout 
 }
 
 std::optional<ParameterInfo> parameter_info_in(FrameView frame) {
-    return parameter_info_in(frame, layout_of(layout_taken(frame)).value_or(ParameterLayout::typed));
+    return parameter_info_in(frame, layout_of(matching_layout(frame)).value_or(ParameterLayout::typed));
 }
 
 std::optional<AnyValue> value_of(Bytes bytes, const ParameterInfo& info) {
@@ -111,9 +111,9 @@ Misfit append(std::vector<std::uint8_t>& out, const AnyValue& value, const Param
     return append(out, AnyValue{static_cast<std::int64_t>(whole)}, *info.type);
 }
 
-std::string words_of_misfit(Misfit misfit, const ParameterInfo& info) {
+std::string format_misfit(Misfit misfit, const ParameterInfo& info) {
     if (misfit.empty() || !info.type) return std::string{misfit};
-    if (!info.is_scaled()) return words_of_misfit(misfit, *info.type);
+    if (!info.is_scaled()) return format_misfit(misfit, *info.type);
     if (misfit == "is not a multiple") return "is not a multiple of " + shortest(1.0 / info.mul);
     if (misfit != "is out of range") return std::string{misfit};
     const std::string most = shortest(double{std::numeric_limits<std::int32_t>::max()} / info.mul);
@@ -137,7 +137,7 @@ std::string unreadable_value(Bytes value, const ParameterInfo& info) {
 }
 
 void LayoutVotes::count(FrameView description) noexcept {
-    const Message* const row = layout_taken(description);
+    const Message* const row = matching_layout(description);
     const auto layout = layout_of(row);
     if (layout && is_plausible(*row, description.data())) ++votes_[static_cast<std::size_t>(*layout)];
 }

@@ -13,7 +13,7 @@ namespace ano::host {
 
 namespace {
 
-constexpr std::string_view not_taken = "it probably does not accept this value, or is read-only";
+constexpr std::string_view not_accepted = "it probably does not accept this value, or is read-only";
 
 std::string fault_of(const Evidence& silence) {
     if (silence.unfit.empty()) return "not acknowledged";
@@ -47,13 +47,13 @@ ParameterWrite::ParameterWrite(Device& device, ParameterInfo info, AnyValue valu
     : Task{device}, info_{std::move(info)}, value_{std::move(value)}, limits_{limits} {}
 
 void ParameterWrite::refuse(const std::string& why, TimePoint now) {
-    finish({Ending::invalid, info_.name + ": " + words_of(value_) + ' ' + why, {}}, now);
+    finish({Ending::invalid, info_.name + ": " + to_string(value_) + ' ' + why, {}}, now);
 }
 
 void ParameterWrite::start(TimePoint now) {
     if (!info_.type) return finish({Ending::unsupported, info_.name + " has an unknown type", {}}, now);
     const Misfit misfit = append(wire_, value_, info_);
-    if (!misfit.empty()) return refuse(words_of_misfit(misfit, info_), now);
+    if (!misfit.empty()) return refuse(format_misfit(misfit, info_), now);
     if (const std::string beyond = range_misfit(value_, info_, limits_); !beyond.empty()) return refuse(beyond, now);
     const std::string too_long = *info_.type == Type::text ? text_misfit(wire_.size(), wire_.size(), limits_) : "";
     if (!too_long.empty()) return refuse(too_long, now);
@@ -102,7 +102,7 @@ void ParameterWrite::ended(const Ended& ended, TimePoint now) {
     if (ended.outcome == Outcome::uncertain && ++uncertain_ <= max_uncertain) return ask_description(now);
     const bool answered = ended.outcome == Outcome::answered;
     const bool is_compared = ended.tag == recount || ended.tag == describe;
-    if (is_compared && !answered && silence_) return not_given_back(ended, now);
+    if (is_compared && !answered && silence_) return finish_not_returned(ended, now);
     switch (ended.tag) {
     case ask_count: return answered ? go_on(now) : finish_silent("number of parameters", ended.evidence, now);
     case recount:
@@ -114,7 +114,7 @@ void ParameterWrite::ended(const Ended& ended, TimePoint now) {
     default:
         if (answered) return took(ended, now);
         if (ended.tag == read_before) return finish_silent("value of " + info_.name, ended.evidence, now);
-        not_given_back(ended, now);
+        finish_not_returned(ended, now);
     }
 }
 
@@ -137,7 +137,7 @@ void ParameterWrite::was_silent(const Evidence& evidence) {
 }
 
 void ParameterWrite::not_meant(const Ended& ended, TimePoint now) {
-    if (ended.outcome == Outcome::unidentified && silence_) return not_given_back(ended, now);
+    if (ended.outcome == Outcome::unidentified && silence_) return finish_not_returned(ended, now);
     if (ended.outcome == Outcome::another && was_sent_) return finish_another(order(), now);
     Task::not_meant(ended, now);
 }
@@ -160,8 +160,8 @@ void ParameterWrite::both_ended(TimePoint now) {
     ask_value(read_back, now);
 }
 
-void ParameterWrite::not_given_back(const Ended& ended, TimePoint now) {
-    if (silence_) return finish_unacknowledged("write of " + info_.name + ", which may be done", *silence_, now, not_taken);
+void ParameterWrite::finish_not_returned(const Ended& ended, TimePoint now) {
+    if (silence_) return finish_unacknowledged("write of " + info_.name + ", which may be done", *silence_, now, not_accepted);
     finish(
         {Ending::refused, hex_of(device().address()) + " acknowledged " + info_.name + " but does not return it", ended.evidence},
         now);
@@ -204,21 +204,23 @@ void ParameterWrite::write(TimePoint now) {
 
 void ParameterWrite::compare(TimePoint now) {
     if (same(*stored_, wire_))
-        return finish({Ending::done,
-                       silence_ ? info_.name + " is written, but was " + fault_of(*silence_) : words_of_port(acknowledgement_),
-                       acknowledgement_},
-                      now);
-    if (same(*stored_, *before_) && silence_) return finish_unacknowledged("write of " + info_.name, *silence_, now, not_taken);
+        return finish(
+            {Ending::done,
+             silence_ ? info_.name + " is written, but was " + fault_of(*silence_) : format_port_answer(acknowledgement_),
+             acknowledgement_},
+            now);
+    if (same(*stored_, *before_) && silence_)
+        return finish_unacknowledged("write of " + info_.name, *silence_, now, not_accepted);
     if (same(*stored_, *before_))
         return finish({Ending::refused,
-                       hex_of(device().address()) + " keeps " + info_.name + " at " + words_of(before().value_or(value_)),
+                       hex_of(device().address()) + " keeps " + info_.name + " at " + to_string(before().value_or(value_)),
                        {}},
                       now);
     if ((silence_ || was_repeated_) && !std::exchange(is_compared_, true)) {
         device().doubt();
         return ask_value(read_again, now);
     }
-    const std::string has = info_.name + " is " + words_of(stored().value_or(value_));
+    const std::string has = info_.name + " is " + to_string(stored().value_or(value_));
     if (silence_)
         return finish({Ending::timeout,
                        has + ", which is neither the old nor the new value, and the write was " + fault_of(*silence_) +
@@ -254,7 +256,8 @@ std::string ParameterAction::order() const {
 }
 
 void ParameterAction::ended(const Ended& ended, TimePoint now) {
-    if (ended.outcome == Outcome::answered) return finish({Ending::done, words_of_port(ended.evidence), ended.evidence}, now);
+    if (ended.outcome == Outcome::answered)
+        return finish({Ending::done, format_port_answer(ended.evidence), ended.evidence}, now);
     const Message& row = Draft<"parameter_command", "action">::message();
     finish_unacknowledged(row.field("val")->meaning(static_cast<std::uint64_t>(action_)), ended.evidence, now,
                           "it probably can't do that, or not now");

@@ -137,7 +137,7 @@ Request Parameters::question(std::uint32_t i) {
 bool Parameters::took(std::uint32_t i, FrameView answer) {
     if (i < checks_) return true;    // Device stores them
     const std::uint16_t id = id_of_question(i);
-    return is_description(i) ? took_description(id, answer) : took_value(id, answer);
+    return is_description(i) ? accept_description(id, answer) : accept_value(id, answer);
 }
 
 // Compares a description with the cached one; if it differs, all cached data is discarded.
@@ -148,7 +148,7 @@ bool Parameters::compared(std::uint16_t id, FrameView answer) {
     return true;
 }
 
-bool Parameters::took_description(std::uint16_t id, FrameView answer) {
+bool Parameters::accept_description(std::uint16_t id, FrameView answer) {
     if (compares_) return compared(id, answer);
     auto info = parameter_info_in(answer);
     if (!info) return false;
@@ -168,12 +168,12 @@ void Parameters::settle_layout() {
 }
 
 // If the type is not known yet, or may be that of another layout, is_usable() is called again at the end.
-bool Parameters::took_value(std::uint16_t id, FrameView answer) {
-    const auto said = as<"parameter_value">(answer);
-    if (!said) return false;
-    const std::size_t size = said->get<"value">().size();
+bool Parameters::accept_value(std::uint16_t id, FrameView answer) {
+    const auto view = as<"parameter_value">(answer);
+    if (!view) return false;
+    const std::size_t size = view->get<"value">().size();
     if (!is_usable(size, descriptions_[id].type) && (from_cache_ || size != older_size)) return false;
-    values_[id].assign(said->get<"value">().begin(), said->get<"value">().end());
+    values_[id].assign(view->get<"value">().begin(), view->get<"value">().end());
     return true;
 }
 

@@ -10,7 +10,7 @@ std::string hex_of(std::uint8_t address) {
     return {'0', 'x', digits[address >> 4], digits[address & 0xF]};
 }
 
-bool Task::gives_up(TimePoint now) {
+bool Task::is_overdue(TimePoint now) {
     if (!begun_at_) begun_at_ = now;
     if (now - *begun_at_ <= max_duration()) return false;
     const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(max_duration()).count();
@@ -20,7 +20,7 @@ bool Task::gives_up(TimePoint now) {
 }
 
 void Task::ask(const Request& request, TimePoint now) {
-    if (gives_up(now)) return;
+    if (is_overdue(now)) return;
     Request meant = request;
     meant.identity = identity_;
     meant.needs_info = true;
@@ -35,7 +35,7 @@ void Task::not_meant(const Ended& ended, TimePoint now) {
 
 void Task::finish_another(std::string_view may_be_done, TimePoint now, std::string_view left) {
     be_of_another();
-    std::string what = words_of_another();
+    std::string what = format_another_device();
     if (!may_be_done.empty()) what += "; the one before may have carried out: " + std::string{may_be_done};
     if (!left.empty()) what += "; " + std::string{left};
     finish({Ending::failed, std::move(what), {}}, now);
@@ -45,7 +45,7 @@ void Task::finish(End end, TimePoint now) {
     if (end_) return;
     device_.forget(*this);
     end_ = std::move(end);
-    if (told_) told_(now);
+    if (on_end_) on_end_(now);
 }
 
 void Task::finish_silent(std::string_view step, const Evidence& evidence, TimePoint now, std::string_view likely) {
@@ -65,7 +65,7 @@ void Task::finish_unanswered(const std::string& heard_but, std::string_view step
     finish({Ending::timeout, std::move(what), evidence}, now);
 }
 
-std::string Task::words_of_port(const Evidence& evidence) {
+std::string Task::format_port_answer(const Evidence& evidence) {
     return evidence.by_port ? "acknowledged by " + hex_of(*evidence.by_port) + ", a port" : std::string{};
 }
 

@@ -84,7 +84,7 @@ Misfit append(std::vector<std::uint8_t>& out, const AnyValue& value, Type type) 
     return {};
 }
 
-std::string words_of_misfit(Misfit misfit, Type type) {
+std::string format_misfit(Misfit misfit, Type type) {
     std::string words{misfit};
     if (!misfit.empty() && is_number(type)) words.append(", ").append(name_of(type)).append(" is ").append(range_of(type));
     return words;
@@ -109,7 +109,7 @@ bool same_bytes(const AnyValue& a, const AnyValue& b, Type type) {
     return append(of_a, a, type).empty() && append(of_b, b, type).empty() && of_a == of_b;
 }
 
-std::string words_of(const AnyValue& value) {
+std::string to_string(const AnyValue& value) {
     if (const auto* text = std::get_if<std::string>(&value)) return '"' + *text + '"';
     std::array<char, 32> digits{};
     const auto written = std::visit(

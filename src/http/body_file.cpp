@@ -82,12 +82,13 @@ void FileKeeper::put(std::string part, std::function<void(std::string fault)> do
         }
         if (kept->file) kept->fault = kept->file->append(part);
     };
-    const auto told = [kept = kept_, done](const std::string& thrown) {
+    const auto on_done = [kept = kept_, done](const std::string& thrown) {
         const std::string& fault = thrown.empty() ? kept->fault : thrown;
         done(fault.empty() ? fault : with_advice(fault));
     };
-    if (errand_.run(work, told)) return;
-    asio::post(io_, [done = std::move(done), why = errand_.why_not()] { done(std::string{why} + " for so large a body"); });
+    if (background_task_.run(work, on_done)) return;
+    asio::post(io_,
+               [done = std::move(done), why = background_task_.why_not()] { done(std::string{why} + " for so large a body"); });
 }
 
 }    // namespace anogate

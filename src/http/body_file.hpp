@@ -2,7 +2,7 @@
 #pragma once
 #include <http/large_body.hpp>
 #include <sys/asio_fwd.hpp>
-#include <sys/errand.hpp>
+#include <sys/background_task.hpp>
 #include <sys/expected.hpp>
 #include <sys/unique_fd.hpp>
 
@@ -34,7 +34,7 @@ private:
 /// Makes files in the state folder, or in $TMPDIR or /tmp when that is impossible. Blocking calls of the disk are made in a thread.
 class FileKeeper final : public http::BodyKeeper {
 public:
-    explicit FileKeeper(asio::io_context& io) : io_{io}, errand_{io} {}
+    explicit FileKeeper(asio::io_context& io) : io_{io}, background_task_{io} {}
     void put(std::string part, std::function<void(std::string fault)> done) override;
     std::shared_ptr<const http::StoredBody> whole() const override { return kept_->file; }
 
@@ -46,7 +46,7 @@ private:
 
     asio::io_context& io_;
     std::shared_ptr<Kept> kept_ = std::make_shared<Kept>();    // shared with the thread
-    Errand errand_;
+    BackgroundTask background_task_;
 };
 
 }    // namespace anogate

@@ -15,17 +15,17 @@ class OpenWebSocket : public WebSocket {
 public:
     /// Closes the connection at once and destroys the user.
     virtual void end() = 0;
-    /// WebSocketUser::has_last_words().
-    virtual bool has_last_words() const = 0;
+    /// WebSocketUser::closes_itself().
+    virtual bool closes_itself() const = 0;
     /// True if data wait to be sent and the client has accepted none since `time`.
     virtual bool is_stalled_since(ano::TimePoint time) const = 0;
     /// Passes the waiting message to the user.
-    virtual void take_turn() = 0;
+    virtual void run_turn() = 0;
 };
 
 /// The server's side. `request` must have no web_socket_fault(); `early`: bytes that were received after it. The result lives as
 /// long as the connection and holds `place`. `wait_for_turn` is called for each message; the user receives the message in
-/// take_turn(), and no further one is read before. Without `wait_for_turn` the user receives each message at once.
+/// run_turn(), and no further one is read before. Without `wait_for_turn` the user receives each message at once.
 std::shared_ptr<OpenWebSocket> open_web_socket(asio::io_context& io, std::unique_ptr<Stream> stream, const Request& request,
                                                std::string early, std::unique_ptr<WebSocketUser> user,
                                                const WebSocketLimits& limits, std::shared_ptr<void> place,

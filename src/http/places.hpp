@@ -19,16 +19,16 @@ enum class Asking : std::uint8_t {
 };
 
 /// The connections of a party are counted together. A party is a user of this machine or a client of the network.
-struct Party {
+struct ClientId {
     std::uint32_t user = 0;      // unknown_user: the network
     std::uint64_t client = 0;    // of the network: which client
-    bool operator==(const Party&) const = default;
+    bool operator==(const ClientId&) const = default;
 };
-Party party_of(std::uint32_t user, const Door& door);
+ClientId client_id_of(std::uint32_t user, const Door& door);
 
 /// One client that has a place.
-struct Visitor {
-    Party party{};
+struct ClientConnection {
+    ClientId client_id{};
     Asking asking = Asking::nothing;
     ano::TimePoint since{};         // when it connected or last made progress
     std::optional<Access> may{};    // std::nullopt: no request was judged yet
@@ -37,7 +37,7 @@ struct Visitor {
     bool lasts = false;             // its response, no stream, has taken longer than SessionLimits::stalled_after
 };
 
-/// For a new client when `visitors` take all places of a door: the index of the connection to close for it. std::nullopt: none
+/// For a new client when `connections` take all places of a door: the index of the connection to close for it. std::nullopt: none
 /// yet, since all are requests of clients that may control, which will soon be answered.
 ///
 /// Connections without a complete request are closed first. The order among them: those that may not control, those that are
@@ -46,7 +46,8 @@ struct Visitor {
 /// of the sort with most connections is closed, so that many of one sort do not displace another: the one that was silent
 /// longest. If all connections have complete requests, one that may not control is closed: the oldest of the party with most of
 /// those. If there is none, one whose response lasts is closed.
-std::optional<std::size_t> gives_way(std::span<const Visitor> visitors, ano::TimePoint connected_before = ano::TimePoint::max());
+std::optional<std::size_t> next_evicted(std::span<const ClientConnection> connections,
+                                        ano::TimePoint connected_before = ano::TimePoint::max());
 
 /// Whether there is a place, and the index of the visitor whose connection is closed for it, if any.
 struct PlaceFor {
@@ -54,18 +55,20 @@ struct PlaceFor {
     std::optional<std::size_t> leaves{};
 };
 
-/// For a request of one of `visitors` that was just judged. One place in eight is reserved for clients that may control. If
+/// For a request of one of `connections` that was just judged. One place in eight is reserved for clients that may control. If
 /// complete requests take all the others, a party that has fewer than another gets the oldest place of the party with most of
 /// them.
-PlaceFor request_place(std::span<const Visitor> visitors, std::size_t places, const Party& party, Access access);
+PlaceFor request_place(std::span<const ClientConnection> connections, std::size_t places, const ClientId& client_id,
+                       Access access);
 
 /// For a stream or WebSocket. At most `streams` places are used for streams and WebSockets, so that other requests always find
 /// one; a quarter of them is reserved for clients that may control. If none is free, a client that controls gets the place of a
 /// client that only views. Otherwise a party that has fewer than another with the same access gets the oldest place of the party
 /// with most of them.
-PlaceFor stream_place(std::span<const Visitor> visitors, std::size_t streams, const Party& party, Access access);
+PlaceFor stream_place(std::span<const ClientConnection> connections, std::size_t streams, const ClientId& client_id,
+                      Access access);
 
 /// The stream that has sent nothing for the longest time; std::nullopt: there is none.
-std::optional<std::size_t> oldest_stream(std::span<const Visitor> visitors);
+std::optional<std::size_t> oldest_stream(std::span<const ClientConnection> connections);
 
 }    // namespace anogate::http

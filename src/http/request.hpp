@@ -23,7 +23,7 @@ struct Field {
 /// The value of the first field `name` (upper or lower case); empty: there is none.
 std::string_view field_value(const std::vector<Field>& fields, std::string_view name) noexcept;
 
-/// The value of Request::body_to_come for a chunked body, whose size is not known.
+/// The value of Request::body_length for a chunked body, whose size is not known.
 inline constexpr std::uint64_t in_chunks = 0xFFFF'FFFF'FFFF'FFFF;
 
 /// The user of a client whose user is unknown: any client of the network.
@@ -45,7 +45,7 @@ struct Request {
     bool is_foreign = false;            // a browser sends it for a page of another site
     std::optional<Field> also{};        // an additional header of its response
     ano::Duration slowed{};             // instead of 401 it gets 429 with this time: too many wrong cookies from its address
-    std::uint64_t body_to_come = 0;     // bytes of the body, while only the head was received
+    std::uint64_t body_length = 0;      // bytes of the body, while only the head was received
     ano::TimePoint came_at{};           // when it was read completely
 
     /// Those of the path, in the order of the pattern; decoded, so they may hold any byte, even '/'. Set by Routes, like `query`.

@@ -73,7 +73,7 @@ RequestReader::RequestReader(RequestReader&&) noexcept = default;
 RequestReader& RequestReader::operator=(RequestReader&&) noexcept = default;
 RequestReader::~RequestReader() = default;
 
-std::size_t RequestReader::put_header(std::string_view bytes) {
+std::size_t RequestReader::feed_header(std::string_view bytes) {
     error_code ec;
     const std::size_t used = parser_->put(boost::asio::buffer(bytes.data(), bytes.size()), ec);
     if (ec && ec != beast::error::need_more) fault_ = fault_of(ec, limits_);
@@ -88,9 +88,9 @@ std::size_t RequestReader::put_header(std::string_view bytes) {
     }
     head_ = read_head();
     if (body_limit_) {
-        head_.body_to_come = parser_->chunked() ? in_chunks : parser_->content_length().value_or(0);
+        head_.body_length = parser_->chunked() ? in_chunks : parser_->content_length().value_or(0);
         const auto max_body = body_limit_(head_);
-        head_.body_to_come = 0;
+        head_.body_length = 0;
         if (!max_body) {
             fault_ = {403, "this path accepts no such body"};
             return used;
@@ -105,7 +105,7 @@ std::size_t RequestReader::put_header(std::string_view bytes) {
 
 std::size_t RequestReader::put(std::string_view bytes) {
     if (!parser_->is_header_done()) {
-        const std::size_t used = put_header(bytes);
+        const std::size_t used = feed_header(bytes);
         const bool goes_on = !fault_ && parser_->is_header_done() && !parser_->is_done() && used < bytes.size();
         return goes_on ? used + put(bytes.substr(used)) : used;
     }
@@ -121,7 +121,7 @@ std::size_t RequestReader::put(std::string_view bytes) {
 
 std::size_t RequestReader::body_size() const { return parser_->get().body().size(); }
 
-std::string RequestReader::take_body() { return std::exchange(parser_->get().body(), {}); }
+std::string RequestReader::pop_body() { return std::exchange(parser_->get().body(), {}); }
 
 bool RequestReader::is_done() const { return parser_->is_done() || parser_->at_the_last; }
 
@@ -137,9 +137,9 @@ Request RequestReader::read_head() const {
     return request;
 }
 
-Request RequestReader::take() {
+Request RequestReader::pop_request() {
     Request request = std::move(head_);
-    request.body = take_body();
+    request.body = pop_body();
     return request;
 }
 

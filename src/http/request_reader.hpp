@@ -32,9 +32,9 @@ public:
     /// Consumes bytes from the front of `bytes` and returns their number; the caller passes the rest again.
     std::size_t put(std::string_view bytes);
     bool is_done() const;
-    /// Bytes of the body that were received and not yet returned by take_body(); a large body is taken in parts.
+    /// Bytes of the body that were received and not yet returned by pop_body(); a large body is taken in parts.
     std::size_t body_size() const;
-    std::string take_body();
+    std::string pop_body();
 
     /// Why this is not a valid request.
     struct Fault {
@@ -44,11 +44,11 @@ public:
     const std::optional<Fault>& fault() const noexcept { return fault_; }
 
     /// The request, once is_done(), with the part of its body that was not taken.
-    Request take();
+    Request pop_request();
 
 private:
     struct Parser;
-    std::size_t put_header(std::string_view bytes);
+    std::size_t feed_header(std::string_view bytes);
     Request read_head() const;
 
     RequestLimits limits_;

@@ -137,11 +137,11 @@ std::string head_of(const Response& response, const Sending& sending) {
     return head + "\r\n";
 }
 
-std::string last_words(const Response& response) {
+std::string final_text(const Response& response) {
     return head_of(response, {.keep_alive = false}) + response.body + (response.shared ? *response.shared : std::string{});
 }
 
-std::string Response::take_text() {
+std::string Response::pop_text() {
     std::string text = std::exchange(body, {});
     if (shared) text += *shared;
     return text;

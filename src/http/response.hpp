@@ -16,9 +16,9 @@ namespace anogate::http {
 
 struct Response;
 
-/// Gets a function `say`, to be called once from the loop with the response. The call has no effect if the client is gone by
+/// Gets a function `respond`, to be called once from the loop with the response. The call has no effect if the client is gone by
 /// then. That response must not have `later` or `patient` again.
-using Later = std::function<void(std::function<void(Response)> say)>;
+using Later = std::function<void(std::function<void(Response)> respond)>;
 
 struct Response {
     unsigned status = 200;
@@ -35,7 +35,7 @@ struct Response {
 
     std::size_t size() const noexcept { return body.size() + (shared ? shared->size() : 0); }
     /// The complete body; `body` is empty afterwards.
-    std::string take_text();
+    std::string pop_text();
 };
 
 /// The meaning of a status as a word for programs: "invalid", "refused", "unknown", "busy", "timeout" or "unsupported".
@@ -69,7 +69,7 @@ struct Sending {
 std::string head_of(const Response& response, const Sending& sending);
 
 /// The complete text, head and body, of the last response of a connection.
-std::string last_words(const Response& response);
+std::string final_text(const Response& response);
 
 /// `part`, which must not be empty, as a chunk of a chunked body.
 std::string chunk(std::string_view part);

@@ -12,7 +12,7 @@ namespace anogate::http {
 namespace {
 
 /// Removes the first segment with its '/' from `path` and returns it without the '/'.
-std::string_view take_segment(std::string_view& path) {
+std::string_view next_segment(std::string_view& path) {
     path.remove_prefix(1);
     const std::string_view segment = path.substr(0, path.find('/'));
     path.remove_prefix(segment.size());
@@ -26,8 +26,8 @@ bool is_parameter(std::string_view segment) { return segment.starts_with('{') &&
 template <class Visit>
 bool side_by_side(std::string_view pattern, std::string_view path, Visit visit) {
     while (pattern.starts_with('/') && path.starts_with('/')) {
-        const std::string_view wanted = take_segment(pattern);
-        if (!visit(wanted, take_segment(path))) return false;
+        const std::string_view wanted = next_segment(pattern);
+        if (!visit(wanted, next_segment(path))) return false;
     }
     return pattern.empty() && path.empty();
 }
@@ -101,7 +101,7 @@ std::string_view text(Access access) noexcept {
     return names[static_cast<std::size_t>(access)];
 }
 
-bool says_nothing(const Request& request) {
+bool has_empty_body(const Request& request) {
     std::string body = request.body;
     std::erase_if(body, [](char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; });
     return !request.stored && (body.empty() || body == "{}");
@@ -133,7 +133,7 @@ Response Routes::answer(Request& request) const {
         auto query = parse_query(target.query);
         if (!query) return error(400, bad_encoding("query", target.query));
         request.query = std::move(*query);
-        if (!row.takes_body && !says_nothing(request))
+        if (!row.accepts_body && !has_empty_body(request))
             return error(400, "this path accepts no body except an empty object: nothing was done");
         return row.function(request);
     }

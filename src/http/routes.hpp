@@ -16,7 +16,7 @@ namespace anogate::http {
 Response not_permitted(Access given, Access needed);
 
 /// True if the body is empty or an empty JSON object.
-bool says_nothing(const Request& request);
+bool has_empty_body(const Request& request);
 
 /// Rows of method, pattern and function, with their documentation. A pattern is a path such as /links/{name}, where {name} stands for
 /// any non-empty segment. If several patterns fit, the one added first counts. A row for GET answers HEAD as well.
@@ -28,15 +28,15 @@ public:
         Access access = Access::control;    // the access that a client needs
         std::string answers;                // the content of its response, in a clause for the documentation
         Function function;
-        std::uint64_t body = 0;     // maximum bytes of a request's body; 0: the default
-        bool starts_job = false;    // a GET that sends frames, or may send some: not for pages of other sites
-        bool takes_body = true;     // false: a body is refused unless says_nothing(), since it would have no effect
+        std::uint64_t body = 0;      // maximum bytes of a request's body; 0: the default
+        bool starts_job = false;     // a GET that sends frames, or may send some: not for pages of other sites
+        bool accepts_body = true;    // false: a body is refused unless has_empty_body(), since it would have no effect
     };
 
     void add(Row row) { rows_.push_back(std::move(row)); }
     /// A row that takes no body.
     void add_without_body(Row row) {
-        row.takes_body = false;
+        row.accepts_body = false;
         add(std::move(row));
     }
     /// A row without documentation, for clients that may do everything.

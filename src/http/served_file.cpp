@@ -31,7 +31,7 @@ std::string read_piece(int fd, std::uint64_t at, std::size_t size) {
 
 class FileParts final : public http::Producer {
 public:
-    FileParts(DiskWorks& disk, UniqueFd file, std::uint64_t at, std::uint64_t size)
+    FileParts(TaskPool& disk, UniqueFd file, std::uint64_t at, std::uint64_t size)
         : disk_{disk}, file_{std::make_shared<const UniqueFd>(std::move(file))}, at_{at}, left_{size} {}
 
     void start(std::function<void()> wake) override { wake_ = std::move(wake); }
@@ -61,14 +61,14 @@ private:
                             });
     }
 
-    DiskWorks& disk_;
+    TaskPool& disk_;
     std::shared_ptr<const UniqueFd> file_;    // shared with a thread that may read after this object is destroyed
     std::uint64_t at_, left_;
     std::string piece_;
     std::size_t given_ = 0;    // bytes of piece_ that were already returned
     bool has_failed_ = false;
     std::function<void()> wake_;
-    DiskWorks::Ticket ticket_;
+    TaskPool::Ticket ticket_;
 };
 
 // The entity tag: it differs after each change of the file.
@@ -82,7 +82,7 @@ struct Wanted {
     std::string range, if_range;
 };
 
-http::Response response_of(DiskWorks& disk, UniqueFd file, const Wanted& wanted, const ServedFile& what) {
+http::Response response_of(TaskPool& disk, UniqueFd file, const Wanted& wanted, const ServedFile& what) {
     struct stat is {};
     if (::fstat(file.get(), &is) != 0 || !S_ISREG(is.st_mode)) return http::error(404, "it is not a file");
     const auto size = static_cast<std::uint64_t>(is.st_size);
@@ -114,7 +114,7 @@ http::Response response_of(DiskWorks& disk, UniqueFd file, const Wanted& wanted,
 
 }    // namespace
 
-http::Response served(DiskWorks& disk, const http::Request& request, ServedFile file) {
+http::Response served(TaskPool& disk, const http::Request& request, ServedFile file) {
     const Wanted wanted{std::string{request.header("Range")}, std::string{request.header("If-Range")}};
     return answer_from(disk, [&disk, wanted, file = std::move(file)] {
         auto opened = file.open();

@@ -54,23 +54,23 @@ Expected<std::uint16_t> Server::start(const Network& network) {
         admit(network_settings_.tls ? network_settings_.tls->stream(std::move(socket), std::move(door))
                                     : stream_of(std::move(socket), std::move(door)));
     };
-    const auto may_come = [this] { return handshakes(nullptr) < max_handshakes && has_place(network_); };
-    lobby_ = std::make_unique<Lobby>(io_, network.tls != nullptr, limits_.session.patience, gave_way_, may_come, admit_one);
+    const auto may_admit = [this] { return handshakes(nullptr) < max_handshakes && has_place(network_); };
+    lobby_ = std::make_unique<Lobby>(io_, network.tls != nullptr, limits_.session.patience, evicted_, may_admit, admit_one);
     network_listener_ = std::make_unique<Listener>(
         io_, std::move(made->fd), made->family, accepts_per_turn, [this] { return may_accept(); },
-        [this](Socket socket) { welcome(std::move(socket)); });
+        [this](Socket socket) { start_session(std::move(socket)); });
     return made->port;
 }
 
 // Accepting needs a descriptor.
-bool Server::may_accept() { return descriptors_left() > 0 || lobby_->give_way() || has_place(network_); }
+bool Server::may_accept() { return descriptors_left() > 0 || lobby_->evict_one() || has_place(network_); }
 
-void Server::welcome(Socket socket) {
+void Server::start_session(Socket socket) {
     Door door{};
     door.is_network = true;
     door.peer = peer_of(socket.native_handle());
-    const Party party = party_of(unknown_user, door);
-    lobby_->add(std::move(socket), party.client, may_control(party, nullptr));
+    const ClientId client_id = client_id_of(unknown_user, door);
+    lobby_->add(std::move(socket), client_id.client, may_control(client_id, nullptr));
 }
 
 void Server::shut_network() {
@@ -103,36 +103,36 @@ tl::expected<Access, Response> Server::judge(Request& request) {
     return access;
 }
 
-std::optional<Response> Server::crowded_out(const Party& party, Access access) {
-    remember(party, access);
-    Room& room = room_of(party);
-    const PlaceFor place = request_place(room.visitors(), room.places.connections, party, access);
+std::optional<Response> Server::refusal_if_full(const ClientId& client_id, Access access) {
+    remember(client_id, access);
+    Room& room = room_of(client_id);
+    const PlaceFor place = request_place(room.connections(), room.places.connections, client_id, access);
     if (!place.is_free) return no_place();
     if (place.leaves) send_away(room, *place.leaves);
     return std::nullopt;
 }
 
 // An address that has controlled is likely to do so again: its new connections have priority until their request is judged.
-void Server::remember(const Party& party, Access access) {
+void Server::remember(const ClientId& client_id, Access access) {
     constexpr std::size_t most = 16;
-    if (access != Access::control || party.user != unknown_user) return;
-    std::erase(controllers_, party);
-    controllers_.push_back(party);
+    if (access != Access::control || client_id.user != unknown_user) return;
+    std::erase(controllers_, client_id);
+    controllers_.push_back(client_id);
     if (controllers_.size() > most) controllers_.pop_front();
 }
 
-bool Server::may_control(const Party& party, const Request* head) {
+bool Server::may_control(const ClientId& client_id, const Request* head) {
     if (head) return admission_.shows_control(*head);
-    return std::find(controllers_.begin(), controllers_.end(), party) != controllers_.end();
+    return std::find(controllers_.begin(), controllers_.end(), client_id) != controllers_.end();
 }
 
-std::optional<Response> Server::no_room_to_stay(const Party& party, Access access, bool streams) {
-    Room& room = room_of(party);
+std::optional<Response> Server::refusal_if_no_place(const ClientId& client_id, Access access, bool streams) {
+    Room& room = room_of(client_id);
     const auto words = [] { return try_again("too few file descriptors for more streams and waiting clients (ulimit -n)"); };
     if (streams) {
         constexpr std::size_t for_short_ones = 8;    // descriptors, beside those of links
         if (descriptors_left() < descriptors_of_links() + for_short_ones) return words();
-        const PlaceFor place = stream_place(room.visitors(), room.places.streams, party, access);
+        const PlaceFor place = stream_place(room.connections(), room.places.streams, client_id, access);
         if (!place.is_free) return try_again("too many streams and WebSockets; try again later");
         if (place.leaves) send_away(room, *place.leaves);
         return std::nullopt;
@@ -159,7 +159,7 @@ Response Server::answer(Request& request) {
 
 void Server::admit(std::unique_ptr<Stream> stream) {
     if (!has_memory()) return refuse(std::move(stream), try_again("not enough memory for a request; try again"));
-    Room& room = room_of(party_of(stream->user(), stream->door()));
+    Room& room = room_of(client_id_of(stream->user(), stream->door()));
     if (!make_place(room)) return refuse(std::move(stream), no_place());
     SessionOwner& owner = *this;
     auto session = std::make_shared<Session>(io_, owner, std::move(stream), limits_.session);
@@ -171,13 +171,13 @@ void Server::admit(std::unique_ptr<Stream> stream) {
 // body that is too large.
 tl::expected<BodyRoom, Response> Server::room_for_body(Request& head) {
     const std::uint64_t usual = limits_.session.request.body;
-    if (head.body_to_come <= usual) return BodyRoom{usual};
+    if (head.body_length <= usual) return BodyRoom{usual};
     auto access = judge(head);
     if (!access) return tl::unexpected{std::move(access.error())};
     const Routes::Row* const row = routes_.row_for(head);
     if (row && *access < row->access) return tl::unexpected{not_permitted(*access, row->access)};
     BodyRoom room{row ? std::max(row->body, usual) : usual, *access};
-    if (head.body_to_come > room.max_bytes) return room;
+    if (head.body_length > room.max_bytes) return room;
     auto place = place_for_body();
     if (!place) return tl::unexpected{std::move(place.error())};
     room.place = std::move(*place);
@@ -193,17 +193,17 @@ tl::expected<std::shared_ptr<void>, Response> Server::place_for_body() {
             const auto waits = one->body_waits_since();
             if (waits && (!since || *waits < *since)) slowest = one, since = waits;
         });
-        if (slowest) slowest->give_up_body();
+        if (slowest) slowest->abort_body();
     }
     if (large_bodies_.use_count() <= max_large_bodies) return large_bodies_;
     return tl::unexpected{try_again("other large uploads are in progress; try again later")};
 }
 
-std::vector<Visitor> Server::Room::visitors() {
+std::vector<ClientConnection> Server::Room::connections() {
     std::erase_if(sessions, [](const auto& session) { return session.expired(); });
-    std::vector<Visitor> visitors;
-    for (const auto& session : sessions) visitors.push_back(session.lock()->visitor(ano::Clock::now()));
-    return visitors;
+    std::vector<ClientConnection> connections;
+    for (const auto& session : sessions) connections.push_back(session.lock()->connection(ano::Clock::now()));
+    return connections;
 }
 
 // `call` may close sessions: they are skipped.
@@ -214,33 +214,33 @@ void Server::for_each_session(Call call) {
             if (const auto alive = session.lock()) call(alive);
 }
 
-bool Server::is_full(const Room& room, std::size_t visitors) const {
-    return visitors >= room.places.connections || (visitors >= room.places.in_need && !has_descriptors());
+bool Server::is_full(const Room& room, std::size_t connections) const {
+    return connections >= room.places.connections || (connections >= room.places.in_need && !has_descriptors());
 }
 
-std::optional<std::size_t> Server::who_leaves(const Room& room, const std::vector<Visitor>& visitors) const {
-    const auto place = gives_way(visitors, ano::Clock::now() - room.places.hearing);
-    return place || has_descriptors() ? place : oldest_stream(visitors);
+std::optional<std::size_t> Server::connection_to_close(const Room& room, const std::vector<ClientConnection>& connections) const {
+    const auto place = next_evicted(connections, ano::Clock::now() - room.places.hearing);
+    return place || has_descriptors() ? place : oldest_stream(connections);
 }
 
 // Accepting already needs a descriptor.
 bool Server::has_place(Room& room) {
     for (Room* const one : {&network_, &local_})
-        if (const auto leaves = descriptors_left() == 0 ? who_leaves(*one, one->visitors()) : std::nullopt)
+        if (const auto leaves = descriptors_left() == 0 ? connection_to_close(*one, one->connections()) : std::nullopt)
             send_away(*one, *leaves);
-    const std::vector<Visitor> all = room.visitors();
-    return descriptors_left() > 0 && (!is_full(room, all.size()) || who_leaves(room, all));
+    const std::vector<ClientConnection> all = room.connections();
+    return descriptors_left() > 0 && (!is_full(room, all.size()) || connection_to_close(room, all));
 }
 
 // The number of handshakes that wait for their turn, of all clients or of one.
-std::ptrdiff_t Server::handshakes(const Party* of) {
+std::ptrdiff_t Server::handshakes(const ClientId* of) {
     std::ptrdiff_t wait = 0;
     for_each_session(
-        [&](const auto& session) { wait += session->awaits_handshake() && (!of || session->party() == *of) ? 1 : 0; });
+        [&](const auto& session) { wait += session->awaits_handshake() && (!of || session->client_id() == *of) ? 1 : 0; });
     return wait;
 }
 
-bool Server::may_shake_hands(const Party& party) { return handshakes(&party) < max_handshakes_per_client; }
+bool Server::may_begin_handshake(const ClientId& client_id) { return handshakes(&client_id) < max_handshakes_per_client; }
 
 bool Server::make_place(Room& room) {
     if (!has_descriptors())    // the reserved ones are in use: fewer connections are kept
@@ -248,15 +248,15 @@ bool Server::make_place(Room& room) {
     make_room(room, 0);
     // `in_need` does not count here: the new connection was accepted while descriptors were left, even if it uses the last of
     // them.
-    return room.visitors().size() < room.places.connections;
+    return room.connections().size() < room.places.connections;
 }
 
 // Closes no connection while there are fewer than `at_least`.
 void Server::make_room(Room& room, std::size_t at_least) {
     for (;;) {
-        const std::vector<Visitor> all = room.visitors();
+        const std::vector<ClientConnection> all = room.connections();
         if (all.size() < at_least || !is_full(room, all.size())) return;
-        const auto place = who_leaves(room, all);
+        const auto place = connection_to_close(room, all);
         if (!place) return;
         send_away(room, *place);
     }
@@ -269,54 +269,54 @@ void Server::send_away(Room& room, std::size_t place) {
     leaves->leave(no_place());
 }
 
-// Sends a last response only if descriptors are left: it holds one for up to ServerLimits::farewell.
+// Sends a last response only if descriptors are left: it holds one for up to ServerLimits::final_response.
 void Server::refuse(std::unique_ptr<Stream> stream, const Response& words) {
     if (!has_descriptors()) return stream->close();
-    std::erase_if(farewells_, [](const auto& farewell) { return farewell.expired(); });
+    std::erase_if(farewells_, [](const auto& final_response) { return final_response.expired(); });
     const std::size_t max_farewells = has_memory() ? limits_.farewells : limits_.farewells_in_need;
     while (farewells_.size() >= max_farewells && !farewells_.empty()) {
         farewells_.front().lock()->close();
         farewells_.pop_front();
     }
     try {
-        const auto farewell = std::make_shared<Farewell>(io_, std::move(stream), last_words(words));
-        farewells_.push_back(farewell);
-        farewell->say(limits_.farewell);
+        const auto final_response = std::make_shared<FinalResponse>(io_, std::move(stream), final_text(words));
+        farewells_.push_back(final_response);
+        final_response->send(limits_.final_response);
     } catch (const std::bad_alloc&) {    // the connection is closed
     }
 }
 
-void Server::wait_for_turn(std::shared_ptr<Session> session, const Party& party, Access access) {
-    const bool goes_first = access == Access::control;
-    if (turns_.wait(std::move(session), party, goes_first)) give_turn();
-    else if (goes_first) rest_.cancel();
+void Server::wait_for_turn(std::shared_ptr<Session> session, const ClientId& client_id, Access access) {
+    const bool has_priority = access == Access::control;
+    if (turns_.wait(std::move(session), client_id, has_priority)) schedule_turn();
+    else if (has_priority) rest_.cancel();
 }
 
 // After a long turn of a session that may not control, such sessions have no turn for the same time (at most max_rest). So their
 // turns take at most about half of the loop's time, and work that needs several turns of the loop, such as a command with its
 // answer, waits for one of them, not several.
-void Server::give_turn() {
-    if (turns_.has_first() || ano::Clock::now() >= rests_until_) return give_turn_soon();
+void Server::schedule_turn() {
+    if (turns_.has_priority_entry() || ano::Clock::now() >= rests_until_) return schedule_turn_soon();
     rest_.expires_at(rests_until_);
-    rest_.async_wait([this](error_code) { give_turn_soon(); });
+    rest_.async_wait([this](error_code) { schedule_turn_soon(); });
 }
 
 // Posts twice: between the two the loop polls the system, and handlers that are ready by then run before the second.
-void Server::give_turn_soon() {
+void Server::schedule_turn_soon() {
     asio::post(io_, [this] {
         asio::post(io_, [this] {
             const auto session = turns_.next();
             const bool more = turns_.is_arranged();
-            if (session) take_turn(**session);
-            if (more) give_turn();
+            if (session) run_turn(**session);
+            if (more) schedule_turn();
         });
     });
 }
 
-void Server::take_turn(Session& session) {
-    if (session.awaits_handshake()) return session.take_turn();    // no rest: all take equally long and their number is limited
+void Server::run_turn(Session& session) {
+    if (session.awaits_handshake()) return session.run_turn();    // no rest: all take equally long and their number is limited
     const ano::TimePoint began = ano::Clock::now();
-    session.take_turn();
+    session.run_turn();
     const ano::TimePoint ended = ano::Clock::now();
     if (session.may() != Access::control && ended - began >= long_turn) rests_until_ = ended + std::min(ended - began, max_rest);
 }
@@ -336,7 +336,7 @@ void Server::finish(ano::Duration patience) {
 
 void Server::look_whether_finished(ano::TimePoint until) {
     if (ano::Clock::now() >= until) close_those(false);
-    if (local_.visitors().empty() && network_.visitors().empty()) return stop();
+    if (local_.connections().empty() && network_.connections().empty()) return stop();
     finish_check_.expires_after(finish_look);
     finish_check_.async_wait([this, until](error_code ec) {
         if (!ec) look_whether_finished(until);
@@ -357,8 +357,8 @@ void Server::stop() {
     for_each_session([](const auto& session) { session->close(); });
     local_.sessions.clear();
     network_.sessions.clear();
-    for (const auto& farewell : std::exchange(farewells_, {}))
-        if (const auto alive = farewell.lock()) alive->close();
+    for (const auto& final_response : std::exchange(farewells_, {}))
+        if (const auto alive = final_response.lock()) alive->close();
 }
 
 }    // namespace anogate::http

@@ -2,7 +2,7 @@
 #pragma once
 #include <http/asio.hpp>
 #include <http/doors/admission.hpp>
-#include <http/doors/farewell.hpp>
+#include <http/doors/final_response.hpp>
 #include <http/doors/listener.hpp>
 #include <http/doors/lobby.hpp>
 #include <http/doors/local_socket.hpp>
@@ -34,7 +34,7 @@ struct ServerLimits {
     DoorPlaces network{44, 20, 1, std::chrono::milliseconds{100}};
     std::size_t farewells = 32;           // closing connections that are still sent their last response
     std::size_t farewells_in_need = 4;    // the same while memory is short
-    ano::Duration farewell = std::chrono::seconds{1};
+    ano::Duration final_response = std::chrono::seconds{1};
     SessionLimits session;
 };
 
@@ -83,7 +83,7 @@ public:
     Admission& admission() noexcept { return admission_; }
     const Admission& admission() const noexcept { return admission_; }
     /// Connections of the network that were silent or waited for a place, and were closed for others.
-    const GaveWay& gave_way() const noexcept { return gave_way_; }
+    const EvictionCounter& evicted() const noexcept { return evicted_; }
     /// Adds a client with any sort of connection.
     void admit(std::unique_ptr<Stream> stream);
     /// As stop(), but responses in progress are completed within `patience`, and those that are not made yet may be sent until
@@ -101,36 +101,36 @@ private:
         DoorPlaces places;
         std::vector<std::weak_ptr<Session>> sessions{};
 
-        std::vector<Visitor> visitors();
+        std::vector<ClientConnection> connections();
     };
-    Room& room_of(const Party& party) noexcept { return party.user == unknown_user ? network_ : local_; }
-    bool is_full(const Room& room, std::size_t visitors) const;
-    std::optional<std::size_t> who_leaves(const Room& room, const std::vector<Visitor>& visitors) const;
+    Room& room_of(const ClientId& client_id) noexcept { return client_id.user == unknown_user ? network_ : local_; }
+    bool is_full(const Room& room, std::size_t connections) const;
+    std::optional<std::size_t> connection_to_close(const Room& room, const std::vector<ClientConnection>& connections) const;
     bool has_place(Room& room);
-    std::ptrdiff_t handshakes(const Party* of);
+    std::ptrdiff_t handshakes(const ClientId* of);
     bool make_place(Room& room);
     void make_room(Room& room, std::size_t at_least);
     void send_away(Room& room, std::size_t place);
-    void remember(const Party& party, Access access);
+    void remember(const ClientId& client_id, Access access);
     template <class Call>
     void for_each_session(Call call);
     void dismiss_those(const std::function<bool(const Session& session)>& wanted);
     bool may_accept();
-    void welcome(Socket socket);
+    void start_session(Socket socket);
     void shut_network();
     void shut();
     void look_whether_finished(ano::TimePoint until);
     void close_those(bool awaiting_answer);
-    void give_turn();
-    void give_turn_soon();
-    void take_turn(Session& session);
+    void schedule_turn();
+    void schedule_turn_soon();
+    void run_turn(Session& session);
 
-    void wait_for_turn(std::shared_ptr<Session> session, const Party& party, Access access) override;
+    void wait_for_turn(std::shared_ptr<Session> session, const ClientId& client_id, Access access) override;
     tl::expected<Access, Response> judge(Request& request) override;
-    std::optional<Response> crowded_out(const Party& party, Access access) override;
-    bool may_control(const Party& party, const Request* head) override;
-    bool may_shake_hands(const Party& party) override;
-    std::optional<Response> no_room_to_stay(const Party& party, Access access, bool streams) override;
+    std::optional<Response> refusal_if_full(const ClientId& client_id, Access access) override;
+    bool may_control(const ClientId& client_id, const Request* head) override;
+    bool may_begin_handshake(const ClientId& client_id) override;
+    std::optional<Response> refusal_if_no_place(const ClientId& client_id, Access access, bool streams) override;
     Response answer(Request& request) override;
     tl::expected<BodyRoom, Response> room_for_body(Request& head) override;
     tl::expected<std::shared_ptr<void>, Response> place_for_body() override;
@@ -150,15 +150,15 @@ private:
     Admission admission_;
     LocalSocket local_socket_;
     Network network_settings_;
-    GaveWay gave_way_;
+    EvictionCounter evicted_;
     std::unique_ptr<Lobby> lobby_;    // of the network
     std::unique_ptr<Listener> local_listener_, network_listener_;
     Room local_{limits_.local}, network_{limits_.network};
-    std::deque<Party> controllers_;                   // clients of the network that have controlled, the most recent last
-    Turns<std::shared_ptr<Session>, Party> turns_;    // sessions with a complete request
+    std::deque<ClientId> controllers_;                   // clients of the network that have controlled, the most recent last
+    Turns<std::shared_ptr<Session>, ClientId> turns_;    // sessions with a complete request
     asio::steady_timer rest_{io_};
     ano::TimePoint rests_until_{};    // sessions that may not control have no turn before
-    std::deque<std::weak_ptr<Farewell>> farewells_;
+    std::deque<std::weak_ptr<FinalResponse>> farewells_;
 };
 
 }    // namespace anogate::http

@@ -24,7 +24,7 @@ Session::Session(asio::io_context& io, SessionOwner& owner, std::unique_ptr<Stre
       stream_{std::move(stream)},
       deadline_{io},
       user_{stream_->user()},
-      party_{party_of(user_, stream_->door())},
+      client_id_{client_id_of(user_, stream_->door())},
       is_of_network_{stream_->door().is_network} {}
 
 // If memory is short for a client, its connection is closed and the program continues.
@@ -38,13 +38,13 @@ void Session::guarded(Function function) {
 }
 
 void Session::start() {
-    by_address_ = owner_.may_control(party_, nullptr);
+    by_address_ = owner_.may_control(client_id_, nullptr);
     if (by_address_) may_ = Access::control;
     if (!stream_->door().is_encrypted) return await_request();
-    if (!owner_.may_shake_hands(party_)) return close();
+    if (!owner_.may_begin_handshake(client_id_)) return close();
     awaits_handshake_ = true;
     expect_progress();
-    owner_.wait_for_turn(shared_from_this(), party_, may_.value_or(Access::open));
+    owner_.wait_for_turn(shared_from_this(), client_id_, may_.value_or(Access::open));
 }
 
 void Session::close() {
@@ -61,7 +61,7 @@ void Session::close() {
 
 void Session::finish() {
     const auto socket = web_socket_.lock();
-    if (socket && socket->has_last_words()) return;
+    if (socket && socket->closes_itself()) return;
     const bool has_more = stream_ && asking_ == Asking::whole && !awaits_turn_ && (!part_awaited_ || woken_);
     if (!has_more) return close();
     finishes_ = true;
@@ -80,11 +80,11 @@ void Session::leave(const Response& words) {
     refuse(words);
 }
 
-Visitor Session::visitor(ano::TimePoint now) const {
+ClientConnection Session::connection(ano::TimePoint now) const {
     bool stalled = !awaits_turn_ && !part_awaited_ && !answer_awaited_ && now - since_ >= limits_.stalled_after;
     if (const auto socket = web_socket_.lock()) stalled = socket->is_stalled_since(now - limits_.stalled_after);
     const bool lasts = !awaits_turn_ && !streams_ && now - whole_at_ >= limits_.stalled_after;
-    return {party_, stalled ? Asking::nothing : asking_, since_, may_, by_address_, streams_, lasts};
+    return {client_id_, stalled ? Asking::nothing : asking_, since_, may_, by_address_, streams_, lasts};
 }
 
 // `input_` may already contain a part of the next request.
@@ -99,7 +99,7 @@ void Session::await_request() {
     expect_progress();
     if (input_.empty()) return read();
     asking_ = Asking::half;
-    hear();
+    receive();
 }
 
 void Session::expect_progress() {
@@ -158,8 +158,8 @@ void Session::came(error_code ec, std::size_t size) {
     if (asking_ != Asking::whole) {
         since_ = Clock::now();
         asking_ = Asking::half;
-        body_came(size);
-        return hear();
+        on_body(size);
+        return receive();
     }
     if (!part_awaited_ && !answer_awaited_) return;
     if (input_.size() <= limits_.request.header) return read();
@@ -168,7 +168,7 @@ void Session::came(error_code ec, std::size_t size) {
                           " bytes were received after a request that is not answered yet"));
 }
 
-void Session::body_came(std::size_t size) {
+void Session::on_body(std::size_t size) {
     if (!room_for_body_.place) return;
     expect_progress();
     came_since_ += size;
@@ -182,7 +182,7 @@ std::optional<ano::TimePoint> Session::body_waits_since() const {
     return sends && Clock::now() - body_since_ >= limits_.slow_body ? std::optional{body_since_} : std::nullopt;
 }
 
-void Session::give_up_body() {
+void Session::abort_body() {
     refuse(error(408,
                  "the body was received too slowly for " + seconds_text(limits_.slow_body) + ", and another request is waiting"));
 }
@@ -195,7 +195,7 @@ void Session::input_ended() {
     if (asking_ != Asking::whole || part_awaited_ || answer_awaited_) close();
 }
 
-void Session::hear() {
+void Session::receive() {
     if (!owner_.has_memory()) return refuse_for_memory();
     try {
         if (!reader_->is_done()) input_.erase(0, reader_->put(input_));
@@ -205,25 +205,25 @@ void Session::hear() {
     if (refusal_) return refuse(*std::exchange(refusal_, std::nullopt));
     if (const auto& fault = reader_->fault()) return refuse(error(fault->status, fault->words));
     if (std::exchange(go_on_awaited_, false) && !reader_->is_done() && reader_->body_size() == 0 && input_.empty())
-        return say_go_on();
-    if (puts_body()) return;
+        return send_continue();
+    if (stores_body()) return;
     if (!reader_->is_done()) return read();
     asking_ = Asking::whole;
     whole_at_ = Clock::now();
     awaits_turn_ = true;
     expect_nothing();
     try {
-        came_whole();
+        on_request();
     } catch (const std::bad_alloc&) {
         return refuse_for_memory();
     }
-    if (const auto words = owner_.crowded_out(party_, *may_)) return refuse(*words);
-    owner_.wait_for_turn(shared_from_this(), party_, *may_);
+    if (const auto words = owner_.refusal_if_full(client_id_, *may_)) return refuse(*words);
+    owner_.wait_for_turn(shared_from_this(), client_id_, *may_);
 }
 
 // The request is judged before its turn, since the order of turns depends on its access.
-void Session::came_whole() {
-    Request& request = request_.emplace(reader_->take());
+void Session::on_request() {
+    Request& request = request_.emplace(reader_->pop_request());
     request.user = user_;
     request.door = stream_->door();
     request.came_at = whole_at_;
@@ -240,7 +240,7 @@ void Session::came_whole() {
 
 // Called once per request; stores its access if it is judged here, so that it is not judged twice.
 bool Session::has_room(Request& head) {
-    if (owner_.may_control(party_, &head)) {
+    if (owner_.may_control(client_id_, &head)) {
         may_ = Access::control;
         by_address_ = false;
     }
@@ -254,15 +254,15 @@ bool Session::has_room(Request& head) {
 }
 
 // The client waits for this before it sends the body (RFC 9110, 10.1.1).
-void Session::say_go_on() {
+void Session::send_continue() {
     static constexpr std::string_view words = "HTTP/1.1 100 Continue\r\n\r\n";
     stream_->write_some({asio::buffer(words.substr(written_))}, [self = shared_from_this()](error_code ec, std::size_t size) {
         if (!self->stream_) return;
         if (ec) return self->close();
         self->written_ += size;
-        const bool is_said = self->written_ == words.size();
-        if (is_said) self->written_ = 0;
-        self->guarded([&] { is_said ? self->read() : self->say_go_on(); });
+        const bool is_sent = self->written_ == words.size();
+        if (is_sent) self->written_ = 0;
+        self->guarded([&] { is_sent ? self->read() : self->send_continue(); });
     });
 }
 
@@ -278,7 +278,7 @@ bool Session::has_place_for(std::size_t held) {
 }
 
 // A large body is passed to its keeper in parts; nothing is read while the keeper stores one.
-bool Session::puts_body() {
+bool Session::stores_body() {
     const std::size_t size = reader_->body_size();
     if (!has_place_for(size)) {
         if (refusal_) refuse(*std::exchange(refusal_, std::nullopt));
@@ -289,22 +289,22 @@ bool Session::puts_body() {
     if (!keeper_) keeper_ = owner_.keeper();
     if (!keeper_) return false;
     is_kept_ = true;
-    keeper_->put(reader_->take_body(),
-                 [self = shared_from_this()](const std::string& fault) { self->guarded([&] { self->put_body(fault); }); });
+    keeper_->put(reader_->pop_body(),
+                 [self = shared_from_this()](const std::string& fault) { self->guarded([&] { self->store_body(fault); }); });
     return true;
 }
 
-void Session::put_body(const std::string& fault) {
+void Session::store_body(const std::string& fault) {
     is_kept_ = false;
     if (!stream_) return;
     if (!fault.empty()) return refuse(error(507, fault));
     expect_progress();
     body_since_ = since_;
-    hear();
+    receive();
 }
 
-void Session::take_turn() {
-    if (const auto socket = web_socket_.lock()) return socket->take_turn();
+void Session::run_turn() {
+    if (const auto socket = web_socket_.lock()) return socket->run_turn();
     if (!stream_) return;
     if (std::exchange(awaits_handshake_, false)) return stream_->has_left() ? close() : await_request();
     if (!owner_.still_has_memory()) return refuse_for_memory();
@@ -331,7 +331,7 @@ void Session::answer(Request& request) {
     }
     const bool streams = response.web_socket || (response.producer && !response.length);
     if (streams || response.patient)
-        if (auto no = owner_.no_room_to_stay(party_, request.access, streams)) return send(std::move(*no), head_only);
+        if (auto no = owner_.refusal_if_no_place(client_id_, request.access, streams)) return send(std::move(*no), head_only);
     streams_ = streams;
     if (response.web_socket) {
         Response fault = web_socket_fault(request);
@@ -362,7 +362,7 @@ void Session::answer(Request& request) {
 std::function<void()> Session::turns_of_web_socket() {
     if (may() == Access::control) return {};
     return [weak = weak_from_this()] {
-        if (auto self = weak.lock()) self->owner_.wait_for_turn(self, self->party_, self->may());
+        if (auto self = weak.lock()) self->owner_.wait_for_turn(self, self->client_id_, self->may());
     };
 }
 
@@ -434,7 +434,7 @@ void Session::next_part() {
     const Producer::Next next = producer_->next(body_);
     if (!stream_) return;
     if (next == Producer::Next::end) producer_.reset();
-    if (!takes_part(producer_ == nullptr)) return close();
+    if (!sends_part(producer_ == nullptr)) return close();
     if (next == Producer::Next::part && body_.empty()) return next_part_soon();
     if (sending_.chunked && !body_.empty()) body_ = chunk(body_);
     if (sending_.chunked && !producer_) body_ += last_chunk;
@@ -455,7 +455,7 @@ void Session::next_part_soon() {
 }
 
 // False: the producer's data do not match the length in the header; the client can only be informed by closing the connection.
-bool Session::takes_part(bool is_last) {
+bool Session::sends_part(bool is_last) {
     if (!has_length_) return true;
     if (body_.size() > to_come_) return false;
     to_come_ -= body_.size();

@@ -43,21 +43,21 @@ struct BodyRoom {
 class SessionOwner {
 public:
     virtual ~SessionOwner() = default;
-    /// Calls take_turn() when it is the session's turn. Sessions that may control are first, then the parties in rotation.
-    virtual void wait_for_turn(std::shared_ptr<Session> session, const Party& party, Access access) = 0;
+    /// Calls run_turn() when it is the session's turn. Sessions that may control are first, then the parties in rotation.
+    virtual void wait_for_turn(std::shared_ptr<Session> session, const ClientId& client_id, Access access) = 0;
     /// The access of a request, or the response that refuses it.
     virtual tl::expected<Access, Response> judge(Request& request) = 0;
     /// For a request with `access`, which the session's visitor() already has: the last response of the session if there are too
     /// many such requests; std::nullopt: continue.
-    virtual std::optional<Response> crowded_out(const Party& party, Access access) = 0;
+    virtual std::optional<Response> refusal_if_full(const ClientId& client_id, Access access) = 0;
     /// Whether a request with this head (nullptr: the next one of the party) is likely to be one that may control. The decision
     /// is made by judge().
-    virtual bool may_control(const Party& party, const Request* head) = 0;
+    virtual bool may_control(const ClientId& client_id, const Request* head) = 0;
     /// Whether one more handshake of the party may wait for its turn.
-    virtual bool may_shake_hands(const Party& party) = 0;
+    virtual bool may_begin_handshake(const ClientId& client_id) = 0;
     /// To be called before a response that lasts: a stream, or one that waits for a job (`streams` is false). Returns the
     /// response that refuses it; std::nullopt: continue.
-    virtual std::optional<Response> no_room_to_stay(const Party& party, Access access, bool streams) = 0;
+    virtual std::optional<Response> refusal_if_no_place(const ClientId& client_id, Access access, bool streams) = 0;
     /// The response to `request`; may move from it.
     virtual Response answer(Request& request) = 0;
     /// The limit for the body of `head`, or the response that refuses the body before it is received.
@@ -84,8 +84,8 @@ public:
     void start();
     /// To be called when it is its turn: answers the request, starts the handshake, or passes a message to the user of its
     /// WebSocket.
-    void take_turn();
-    const Party& party() const noexcept { return party_; }
+    void run_turn();
+    const ClientId& client_id() const noexcept { return client_id_; }
     bool awaits_handshake() const noexcept { return stream_ && awaits_handshake_; }
     /// Closes at once; destroys the producer or the user of the WebSocket.
     void close();
@@ -102,11 +102,11 @@ public:
     bool is_of_network() const noexcept { return is_of_network_; }
     /// Ends the session because another client gets its place. Sends `words` unless it is idle or in the middle of a response.
     void leave(const Response& words);
-    Visitor visitor(ano::TimePoint now) const;
+    ClientConnection connection(ano::TimePoint now) const;
     /// The time since which the client has sent too little of a large body; std::nullopt: it sends fast enough, or no large body.
     std::optional<ano::TimePoint> body_waits_since() const;
     /// Refuses its large body, so that another client can use the place.
-    void give_up_body();
+    void abort_body();
 
 private:
     void await_request();
@@ -116,14 +116,14 @@ private:
     void guarded(Function function);
     void refuse_for_memory() noexcept;
     void input_ended();
-    void hear();
+    void receive();
     bool has_room(Request& head);
-    void say_go_on();
-    bool puts_body();
+    void send_continue();
+    bool stores_body();
     bool has_place_for(std::size_t held);
-    void body_came(std::size_t size);
-    void put_body(const std::string& fault);
-    void came_whole();
+    void on_body(std::size_t size);
+    void store_body(const std::string& fault);
+    void on_request();
     void answer(Request& request);
     void await_answer(std::shared_ptr<void> needed);
     std::function<void()> turns_of_web_socket();
@@ -133,7 +133,7 @@ private:
     void wrote();
     void next_part();
     void next_part_soon();
-    bool takes_part(bool is_last);
+    bool sends_part(bool is_last);
     void wake();
     void refuse(const Response& words);
     void expect_progress();
@@ -150,7 +150,7 @@ private:
     std::optional<ano::TimePoint> patient_until_;    // std::nullopt: no deadline
     bool deadline_runs_ = false;                     // deadline_ is set, to patient_until_ or earlier
     std::uint32_t user_;
-    Party party_;
+    ClientId client_id_;
     bool is_of_network_;
     std::string token_{};
     std::optional<Access> may_;             // the access of the current or the last request

@@ -8,15 +8,15 @@
 
 namespace anogate::http {
 
-/// Entries with `goes_first` precede all others. Among equals, the clients (`of`) get turns in rotation: however many entries of
+/// Entries with `has_priority` precede all others. Among equals, the clients (`of`) get turns in rotation: however many entries of
 /// a client wait, every other client has a turn between two of them. The owner calls next() for one turn at a time, and the loop
 /// does its other work in between.
 template <class Who, class Client>
 class Turns {
 public:
     /// True: no call of next() is scheduled; the caller must schedule one.
-    bool wait(Who who, const Client& of, bool goes_first) {
-        (goes_first ? first_ : others_).wait(std::move(who), of);
+    bool wait(Who who, const Client& of, bool has_priority) {
+        (has_priority ? first_ : others_).wait(std::move(who), of);
         return !std::exchange(arranged_, true);
     }
     /// Removes `who` from the queue.
@@ -32,8 +32,8 @@ public:
         return who;
     }
     bool is_arranged() const noexcept { return arranged_; }
-    /// True if an entry with `goes_first` waits.
-    bool has_first() const noexcept { return !first_.is_empty(); }
+    /// True if an entry with `has_priority` waits.
+    bool has_priority_entry() const noexcept { return !first_.is_empty(); }
     /// Removes all entries. A scheduled call of next() is still made and returns std::nullopt.
     void clear() noexcept {
         first_.clear();

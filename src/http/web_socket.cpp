@@ -29,7 +29,7 @@ public:
 
     executor_type get_executor() const noexcept { return io_->get_executor(); }
     Stream& stream() { return *stream_; }
-    ano::TimePoint taken_at() const { return taken_at_; }
+    ano::TimePoint written_at() const { return written_at_; }
     std::uint64_t reads() const noexcept { return reads_; }
 
     template <class Buffers, class Handler>
@@ -54,7 +54,7 @@ public:
         for (auto it = asio::buffer_sequence_begin(from); it != asio::buffer_sequence_end(from) && count < parts.size(); ++it)
             if (const asio::const_buffer part = *it; part.size() > 0) parts[count++] = part;
         stream_->write_some(parts, [this, done = done(std::forward<Handler>(handler))](error_code ec, std::size_t size) {
-            taken_at_ = ano::Clock::now();
+            written_at_ = ano::Clock::now();
             done(ec, size);
         });
     }
@@ -74,7 +74,7 @@ private:
     asio::io_context* io_;
     std::unique_ptr<Stream> stream_;
     std::string early_;
-    ano::TimePoint taken_at_ = ano::Clock::now();
+    ano::TimePoint written_at_ = ano::Clock::now();
     std::uint64_t reads_ = 0;
 };
 
@@ -93,9 +93,10 @@ beast::http::request<beast::http::empty_body> beasts(const Request& request) {
     return same;
 }
 
-std::string words_of(const error_code& ec, const websocket::close_reason& said) {
+std::string format_close(const error_code& ec, const websocket::close_reason& received) {
     if (ec == websocket::error::closed)
-        return said.reason.empty() ? "closed by the gateway" : "closed by the gateway: " + std::string{said.reason.c_str()};
+        return received.reason.empty() ? "closed by the gateway"
+                                       : "closed by the gateway: " + std::string{received.reason.c_str()};
     if (ec == asio::error::eof || ec == asio::error::connection_reset || ec == asio::error::broken_pipe)
         return "the gateway closed the connection";
     if (ec == beast::error::timeout) return "the gateway no longer responds";
@@ -183,13 +184,13 @@ public:
         user_.reset();
     }
 
-    bool has_last_words() const override { return user_ && user_->has_last_words(); }
+    bool closes_itself() const override { return user_ && user_->closes_itself(); }
 
     bool is_stalled_since(ano::TimePoint time) const override {
-        return (writing_ || closing_) && std::max(begun_at_, socket_.next_layer().taken_at()) < time;
+        return (writing_ || closing_) && std::max(begun_at_, socket_.next_layer().written_at()) < time;
     }
 
-    void take_turn() override {
+    void run_turn() override {
         const auto self = std::exchange(waits_, nullptr);
         if (user_) guarded([this] { heard(); });
     }
@@ -222,7 +223,7 @@ private:
     }
 
     // The pending read, or the next one, fails and ends the connection.
-    void give_up() noexcept override {
+    void abandon() noexcept override {
         closing_ = true;
         socket_.next_layer().stream().close();
     }
@@ -232,7 +233,7 @@ private:
         if (!user_) return;
         const auto ended = std::move(ended_);
         end();
-        if (ended) ended({ec ? words_of(ec, socket_.reason()) : std::string{}, std::move(answer_)});
+        if (ended) ended({ec ? format_close(ec, socket_.reason()) : std::string{}, std::move(answer_)});
     }
 
     void read() {
@@ -282,7 +283,7 @@ private:
     // The timer runs as long as data are being sent; it is not set again for each write.
     void watch() {
         if (std::exchange(watching_, true)) return;
-        stuck_.expires_at(std::max(begun_at_, socket_.next_layer().taken_at()) + limits_.stuck);
+        stuck_.expires_at(std::max(begun_at_, socket_.next_layer().written_at()) + limits_.stuck);
         stuck_.async_wait([weak = weak_from_this()](error_code) {
             const auto self = weak.lock();
             if (!self) return;

@@ -37,19 +37,19 @@ public:
     virtual void close(std::uint16_t code, std::string_view reason) = 0;
 
     /// Calls `function`, which makes and sends messages, from outside of the user's functions. If memory is short for that, only
-    /// the connection ends, as give_up() does it.
+    /// the connection ends, as abandon() does it.
     template <class Function>
     void attempt(Function function) {
         try {
             function();
         } catch (const std::bad_alloc&) {
-            give_up();
+            abandon();
         }
     }
 
 protected:
     /// Ends the connection as soon as the loop runs: the user may be running now.
-    virtual void give_up() noexcept = 0;
+    virtual void abandon() noexcept = 0;
 };
 
 /// The code that uses a WebSocket. Destroyed when the connection has ended or the server stops. If one of its functions throws
@@ -66,7 +66,7 @@ public:
     virtual void sent_all() {}
     /// True: when the server stops, the user sends a last message and then closes the WebSocket itself. False: it is
     /// disconnected.
-    virtual bool has_last_words() const { return false; }
+    virtual bool closes_itself() const { return false; }
 };
 
 }    // namespace anogate::http

@@ -42,7 +42,7 @@ public:
     virtual void report_unreachable(Link&) {}
 
     /// The stored state of `link` from the previous run of the program; std::nullopt: none, or an earlier call returned it.
-    virtual std::optional<StoredLink> take_stored(const Link&) { return std::nullopt; }
+    virtual std::optional<StoredLink> claim_stored(const Link&) { return std::nullopt; }
 
     /// Whether one of our links, of any kind, is bound to this UDP port.
     virtual bool is_own_port(std::uint16_t) const { return false; }

@@ -89,7 +89,7 @@ struct ReplayFile::Shared {
     LinkError error;
     ReplayPlan::KeptBack kept_back;
 
-    void tell() const { ::eventfd_write(news.get(), 1); }
+    void notify() const { ::eventfd_write(news.get(), 1); }
 };
 
 /// Runs in the thread.
@@ -140,7 +140,7 @@ private:
             if (n == 0) break;
             const std::string_view bytes{room.data(), static_cast<std::size_t>(n)};
             if (!reader) reader = make_recording_reader(bytes);
-            reader->give(bytes);
+            reader->feed(bytes);
             while (read_batch(*reader, plan)) {}
         }
         add_kept_back(kept_back_before_, plan.kept_back());
@@ -204,7 +204,7 @@ private:
             shared_->waiting += batch->weight();
             shared_->batches.push_back(std::move(batch));
         }
-        shared_->tell();
+        shared_->notify();
     }
 
     // The note about the file: the faults found in the part that was read.
@@ -235,7 +235,7 @@ private:
         shared_->state = state;
         shared_->error = std::move(error);
         shared_->kept_back = kept_back_before_;
-        shared_->tell();
+        shared_->notify();
     }
 
     bool is_stopping() {
@@ -257,7 +257,7 @@ private:
     LinkError note_;
 };
 
-ReplayFile::ReplayFile(asio::io_context& io, std::function<void()> on_news) : said_{io}, on_news_{std::move(on_news)} {}
+ReplayFile::ReplayFile(asio::io_context& io, std::function<void()> on_news) : event_{io}, on_news_{std::move(on_news)} {}
 
 ReplayFile::~ReplayFile() { stop(); }
 
@@ -271,10 +271,10 @@ void ReplayFile::start(const ReplaySettings& settings) {
         on_news_();
     };
     if (!news) return fail(error_text(errno));
-    said_.open(std::move(news));
-    said_.read_with([this] {
+    event_.open(std::move(news));
+    event_.read_with([this] {
         eventfd_t count = 0;
-        ::eventfd_read(said_.fd(), &count);
+        ::eventfd_read(event_.fd(), &count);
         on_news_();
     });
     try {
@@ -285,7 +285,7 @@ void ReplayFile::start(const ReplaySettings& settings) {
 }
 
 void ReplayFile::stop() noexcept {
-    said_.close();
+    event_.close();
     const auto shared = std::exchange(shared_, nullptr);
     if (!shared) return;
     {
@@ -318,7 +318,7 @@ std::optional<ReplayFile::Frame> ReplayFile::next() {
     return Frame{entry.due, entry.link, ano::FrameView{std::span{batch_->bytes}.subspan(at_, entry.size)}};
 }
 
-void ReplayFile::take() { at_ += batch_->entries[taken_++].size; }
+void ReplayFile::pop() { at_ += batch_->entries[taken_++].size; }
 
 ReplayFile::State ReplayFile::state() const {
     if (!shared_) return State::ended;

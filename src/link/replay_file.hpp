@@ -53,7 +53,7 @@ public:
 
     /// The next frame, valid until take(); std::nullopt: none is available now.
     std::optional<Frame> next();
-    void take();
+    void pop();
 
     State state() const;
     /// The reason for `absent`; in other states a fault in the part that was read ("damaged after byte 4711: …"), or why no
@@ -71,7 +71,7 @@ private:
     struct Shared;
     class Reader;
 
-    Descriptor said_;
+    Descriptor event_;
     std::function<void()> on_news_;
     std::shared_ptr<Shared> shared_;    // shared with the thread, which may outlive us
     std::shared_ptr<Batch> batch_;      // from which next() takes frames

@@ -62,14 +62,14 @@ void ReplayLink::look() {
 void ReplayLink::step() {
     for (int i = 0; i < max_in_a_turn; ++i) {
         if (is_at_once() && must_wait(context_.host.now())) return due_.set(context_.host.now() + before_links_are_looked_at);
-        if (!say_next()) return;
+        if (!emit_next()) return;
         context_.host.flush();    // after each frame: another frame might overtake it in an outbox
     }
     due_.set(context_.host.now());
 }
 
 // False: there is no frame, or it is not due.
-bool ReplayLink::say_next() {
+bool ReplayLink::emit_next() {
     const auto frame = file_.next();
     if (!frame) return note_none(), false;
     dry_since_.reset();
@@ -80,8 +80,8 @@ bool ReplayLink::say_next() {
     if (now - due > too_late) begun_at_ = now - frame->due;
     position_ = frame->due;
     note_decoding();
-    say(*frame);
-    file_.take();
+    emit(*frame);
+    file_.pop();
     return true;
 }
 
@@ -113,13 +113,13 @@ bool ReplayLink::must_wait(TimePoint now) {
     return false;
 }
 
-void ReplayLink::say(const ReplayFile::Frame& said) {
-    Channel* const channel = channel_of(said.link);
+void ReplayLink::emit(const ReplayFile::Frame& item) {
+    Channel* const channel = channel_of(item.link);
     if (!channel) {
         ++no_channel_;
         return;
     }
-    const ano::FrameView frame = said.frame;
+    const ano::FrameView frame = item.frame;
     channel->arrived_at = context_.host.now();
     channel->beside.bytes_in += frame.bytes().size();
     if (frame.data().size() > ano::max_data_of(frame.id(), settings().max_data)) {

@@ -27,11 +27,11 @@ private:
     bool is_at_once() const { return replay().rate == 0; }
     void look();
     void step();
-    bool say_next();
+    bool emit_next();
     bool must_wait(TimePoint now);
     void note_none();
     void note_decoding();
-    void say(const ReplayFile::Frame& frame);
+    void emit(const ReplayFile::Frame& frame);
     Channel* channel_of(std::size_t link);
 
     LinkContext context_;

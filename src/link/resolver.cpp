@@ -1,6 +1,6 @@
 #include <link/resolver.hpp>
 #include <link/udp/ip_socket.hpp>
-#include <sys/errand.hpp>
+#include <sys/background_task.hpp>
 
 #include <netdb.h>
 #include <sys/socket.h>
@@ -42,20 +42,20 @@ LinkError no_such_host(const std::string& host, const std::string& fault) {
 }
 
 struct Resolver::Query {
-    explicit Query(asio::io_context& io) : errand{io} {}
+    explicit Query(asio::io_context& io) : worker{io} {}
 
-    Errand errand;
+    BackgroundTask worker;
     std::vector<IpAddress> addresses{};    // the last answer
     ano::TimePoint asked_at = ano::TimePoint::min();
     std::vector<std::pair<const void*, Done>> waiting{};
-    std::vector<std::pair<const void*, Done>> told{};    // being called now
+    std::vector<std::pair<const void*, Done>> called{};    // being called now
 
     // A call may cancel other requests, or make a new one.
-    void tell(const std::vector<IpAddress>& found, const std::string& fault) {
-        told = std::exchange(waiting, {});
-        for (auto& one : told)
+    void complete(const std::vector<IpAddress>& found, const std::string& fault) {
+        called = std::exchange(waiting, {});
+        for (auto& one : called)
             if (const Done call = std::exchange(one.second, nullptr)) call(found, fault);
-        told.clear();
+        called.clear();
     }
 };
 
@@ -66,7 +66,7 @@ Resolver::~Resolver() { stop(); }
 void Resolver::stop() noexcept {
     for (auto& [host, query] : queries_) {
         query->waiting.clear();
-        query->errand.stop(ano::TimePoint::min());
+        query->worker.stop(ano::TimePoint::min());
     }
 }
 
@@ -76,26 +76,26 @@ void Resolver::resolve(const std::string& host, ano::TimePoint now, const void* 
     const bool is_known = !query->addresses.empty() && now - query->asked_at < kept_for_;
     if (is_known) return done(query->addresses, {});
     query->waiting.emplace_back(asker, std::move(done));
-    if (query->errand.is_running()) return;
-    const auto is_running = [](const auto& one) { return one.second->errand.is_running(); };
+    if (query->worker.is_running()) return;
+    const auto is_running = [](const auto& one) { return one.second->worker.is_running(); };
     if (std::count_if(queries_.begin(), queries_.end(), is_running) >= max_lookups)
-        return query->tell({}, "too many name lookups at once; it is tried again");
+        return query->complete({}, "too many name lookups at once; it is tried again");
     query->asked_at = now;
     const auto answer = std::make_shared<Answer>();
     const auto work = [host, answer] { *answer = ask_system(host); };
-    const bool runs = query->errand.run(work, [this, host, answer](const std::string& broken) {
+    const bool runs = query->worker.run(work, [this, host, answer](const std::string& broken) {
         Query& mine = *queries_[host];
         mine.addresses = answer->addresses;
         const std::string fault = broken.empty() ? answer->fault : broken;
-        mine.tell(answer->addresses, fault);
+        mine.complete(answer->addresses, fault);
     });
-    if (!runs) query->tell({}, std::string{query->errand.why_not()});
+    if (!runs) query->complete({}, std::string{query->worker.why_not()});
 }
 
 void Resolver::cancel(const void* asker) noexcept {
     for (auto& [host, query] : queries_) {
         std::erase_if(query->waiting, [&](const auto& one) { return one.first == asker; });
-        for (auto& one : query->told)
+        for (auto& one : query->called)
             if (one.first == asker) one.second = nullptr;
     }
 }

@@ -38,8 +38,8 @@ ano::world::Faults faults_of(const SimSettings& sim) {
 SimLink::SimLink(LinkId id, LinkSettings settings, const LinkContext& context)
     : Link{id, std::move(settings)},
       context_{context},
-      say_{[this](ano::Bytes bytes, ano::TimePoint) { hear(bytes); }},
-      say_later_{[this](ano::Bytes bytes, ano::TimePoint) { answers_.insert(answers_.end(), bytes.begin(), bytes.end()); }},
+      send_{[this](ano::Bytes bytes, ano::TimePoint) { receive(bytes); }},
+      send_later_{[this](ano::Bytes bytes, ano::TimePoint) { answers_.insert(answers_.end(), bytes.begin(), bytes.end()); }},
       tick_{context.alarms, [this] { tick(); }},
       answer_{context.alarms, [this] { answer(); }} {}
 
@@ -67,15 +67,15 @@ void SimLink::stop() {
 }
 
 void SimLink::tick() {
-    line_->run(context_.host.now(), say_);
+    line_->run(context_.host.now(), send_);
     context_.host.flush();
     tick_.set(line_->due());
 }
 
 // The bytes of the device are parsed and counted as those of any other link.
-void SimLink::hear(std::span<const std::uint8_t> said) {
+void SimLink::receive(std::span<const std::uint8_t> received) {
     channel_->arrived_at = context_.host.now();
-    feed_datagram(channel_->parser, said, channel_->arrived_at,
+    feed_datagram(channel_->parser, received, channel_->arrived_at,
                   [this](ano::FrameView frame) { context_.host.receive(*channel_, frame); });
 }
 
@@ -84,7 +84,7 @@ void SimLink::hear(std::span<const std::uint8_t> said) {
 void SimLink::flush(Channel& channel) {
     std::array<std::span<const std::uint8_t>, 1> next;
     while (channel.outbox.gather(next, context_.host.now()) == 1) {
-        line_->take(next[0], context_.host.now(), say_later_);
+        line_->take(next[0], context_.host.now(), send_later_);
         if (channel.outbox.zeros() > 0) channel.outbox.sent(next[0].size());
         else channel.outbox.sent_frame();
     }
@@ -95,7 +95,7 @@ void SimLink::flush(Channel& channel) {
 void SimLink::answer() {
     const auto answers = std::exchange(answers_, {});    // sending them may cause new answers
     if (!tick_.is_set()) return;                         // stopped meanwhile
-    hear(answers);
+    receive(answers);
     context_.host.flush();
 }
 

@@ -22,14 +22,14 @@ public:
 private:
     void tick();
     void answer();
-    void hear(std::span<const std::uint8_t> said);
+    void receive(std::span<const std::uint8_t> received);
 
     LinkContext context_;
     Channel* channel_ = nullptr;
     std::unique_ptr<ano::world::FaultyLine> line_;
-    ano::world::FaultyLine::Send say_;          // to the gateway
-    ano::world::FaultyLine::Send say_later_;    // in another turn of the loop
-    std::vector<std::uint8_t> answers_;         // waiting for answer()
+    ano::world::FaultyLine::Send send_;          // to the gateway
+    ano::world::FaultyLine::Send send_later_;    // in another turn of the loop
+    std::vector<std::uint8_t> answers_;          // waiting for answer()
     Alarm tick_;
     Alarm answer_;
 };

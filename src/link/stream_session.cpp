@@ -101,7 +101,7 @@ void StreamSession::read() {
 }
 
 void StreamSession::deliver() {
-    while (const auto frame = channel_->parser.next()) take(*frame);
+    while (const auto frame = channel_->parser.next()) receive(*frame);
     context_.host.flush();
 }
 
@@ -113,7 +113,7 @@ void StreamSession::write_later() {
     descriptor_.when_writable([this] { write(); });
 }
 
-void StreamSession::tell_sent(std::span<const std::span<const std::uint8_t>> frames, std::size_t bytes) {
+void StreamSession::pass_to_tap(std::span<const std::span<const std::uint8_t>> frames, std::size_t bytes) {
     for (const auto frame : frames) {
         if (bytes == 0) return;
         const std::size_t taken = std::min(bytes, frame.size());
@@ -178,7 +178,7 @@ void StreamSession::write() {
         const ssize_t n = write_some(std::span{pieces}.first(count));
         if (n > 0) {
             if (tap_) [[unlikely]]
-                tell_sent(std::span{frames}.first(count), static_cast<std::size_t>(n));
+                pass_to_tap(std::span{frames}.first(count), static_cast<std::size_t>(n));
             outbox.sent(static_cast<std::size_t>(n));
             const TimePoint written = pacing_.pauses() ? context_.host.now() : now;
             pacing_.sent(static_cast<std::size_t>(n), written);

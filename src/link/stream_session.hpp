@@ -62,7 +62,7 @@ protected:
     /// Bytes in the driver that are not on the wire yet; 0 where asking is expensive.
     virtual std::size_t held_by_driver() const { return 0; }
     /// A valid frame was received.
-    virtual void take(ano::FrameView frame) { context_.host.receive(*channel_, frame); }
+    virtual void receive(ano::FrameView frame) { context_.host.receive(*channel_, frame); }
     /// A read failed, or reached the end of input (`error` is 0).
     virtual void read_ended(int error) = 0;
     /// A write or the opening failed.
@@ -88,7 +88,7 @@ private:
     void deliver();
     bool write_held();
     bool write_raw_first();
-    void tell_sent(std::span<const std::span<const std::uint8_t>> frames, std::size_t bytes);
+    void pass_to_tap(std::span<const std::span<const std::uint8_t>> frames, std::size_t bytes);
 
     Descriptor descriptor_;
     Arrival arrival_;

@@ -131,7 +131,7 @@ void TunnelLink::deliver(Channel& channel, const Endpoint& sender, ano::FrameVie
 
 // A tunnel frame inside a tunnel frame is treated as data. Probes are not wrapped: they are not for devices.
 void TunnelLink::pass_on(Channel& channel, const Endpoint& sender, ano::FrameView frame) {
-    took_ = true;
+    has_accepted_ = true;
     if (const auto rule = tunnel_.wrap_rule(sender.address); rule && !is_probe(frame)) wrap(*rule, channel, sender, frame);
     else context().host.receive(channel, frame);
 }
@@ -148,7 +148,7 @@ void TunnelLink::wrap(std::size_t rule, Channel& channel, const Endpoint& sender
 }
 
 void TunnelLink::delivered() {
-    if (std::exchange(took_, false)) tunnel_.came_in();
+    if (std::exchange(has_accepted_, false)) tunnel_.came_in();
     const auto rule = tunnel_.wrapping();
     tunnel_.end_wrap([&](ano::FrameView full) { forwarder_.send(wrap_to_[*rule].link, full, context().host.now()); });
 }

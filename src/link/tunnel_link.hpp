@@ -61,7 +61,7 @@ private:
     Tunnel tunnel_;
     std::vector<Target> wrap_to_;
     TunnelCounters before_stranger_;
-    bool took_ = false;              // a frame of this datagram was accepted
+    bool has_accepted_ = false;      // a frame of this datagram was accepted
     OwnNetworks seen_networks_;      // a separate cache, so that refresh_networks() detects every new read
     std::optional<Way> last_way_;    // cleared by refresh_networks()
     HostAddresses hosts_;            // of each configured host; empty until known

@@ -29,8 +29,8 @@ bool stderr_is_journal() {
 }
 
 bool no_color() {
-    const char* said = std::getenv("NO_COLOR");
-    return said != nullptr && *said != '\0';
+    const char* value = std::getenv("NO_COLOR");
+    return value != nullptr && *value != '\0';
 }
 
 Priority priority_of(spdlog::level::level_enum level) {
@@ -101,9 +101,9 @@ std::string journal_lines(Priority priority, std::string_view text) {
     return lines;
 }
 
-void say(Priority priority, std::string_view lines) {
+void print_lines(Priority priority, std::string_view lines) {
     const std::string text = stderr_is_journal() ? journal_lines(priority, lines) : std::string{lines};
-    if (writer) writer->say(text);
+    if (writer) writer->print_lines(text);
     else std::cerr << text;
 }
 

@@ -19,7 +19,7 @@ void start_log(const LogSettings& settings);
 bool end_log();
 
 /// Writes to standard error, in the format of the log: for messages before start_log(), and for faults that end the program.
-void say(Priority priority, std::string_view lines);
+void print_lines(Priority priority, std::string_view lines);
 
 /// Formats each line of `text` for the journal: "<4>text". A priority at the beginning of the text itself has no effect.
 std::string journal_lines(Priority priority, std::string_view text);

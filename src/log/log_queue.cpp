@@ -28,7 +28,7 @@ void LogQueue::push(spdlog::level::level_enum level, spdlog::log_clock::time_poi
     waiting_.lost += lines(text);
 }
 
-LogQueue::Batch LogQueue::take() noexcept {
+LogQueue::Batch LogQueue::pop_all() noexcept {
     size_ = 0;
     return std::exchange(waiting_, {});
 }

@@ -32,7 +32,7 @@ public:
     void lose() noexcept { ++waiting_.lost; }
     bool empty() const noexcept { return waiting_.messages.empty() && waiting_.lost == 0; }
     /// Takes all waiting messages.
-    Batch take() noexcept;
+    Batch pop_all() noexcept;
 
 private:
     Batch waiting_;

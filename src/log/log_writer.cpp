@@ -40,7 +40,7 @@ void LogWriter::run(Shared& shared, const Open& open) {
     while (log) {
         shared.changed.wait(lock, [&] { return shared.ending || !shared.queue.empty(); });
         if (shared.queue.empty()) break;
-        const LogQueue::Batch batch = shared.queue.take();
+        const LogQueue::Batch batch = shared.queue.pop_all();
         lock.unlock();
         write(*log, batch);
         lock.lock();
@@ -66,7 +66,7 @@ void LogWriter::log(const spdlog::details::log_msg& message) {
     change([&](Shared& s) { s.queue.push(message.level, message.time, {message.payload.data(), message.payload.size()}); });
 }
 
-void LogWriter::say(std::string_view text) noexcept {
+void LogWriter::print_lines(std::string_view text) noexcept {
     change([&](Shared& s) { s.queue.push(spdlog::level::err, {}, text, true); });
 }
 

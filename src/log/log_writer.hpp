@@ -31,7 +31,7 @@ public:
     LogWriter& operator=(const LogWriter&) = delete;
 
     /// Writes `text` to standard error, after the earlier messages.
-    void say(std::string_view text) noexcept;
+    void print_lines(std::string_view text) noexcept;
     /// Counts a line that could not be created.
     void lose() noexcept;
     /// Waits until all messages are written, at most `patience`. False: the thread stays blocked and holds locks, perhaps that of

@@ -91,23 +91,24 @@ void GatewayDevice::add_parameters() {
 void GatewayDevice::add_commands() {
     ano::device::Commands& commands = device_->commands();
     commands.add({1, 0, 1}, "RELOAD", "reload the configuration; the result is logged",
-                 [this] { return done(deeds_.reload(), "RELOAD"); });
-    commands.add({1, 0, 2}, "SCAN", "scan for devices; those found are logged", [this] { return done(deeds_.scan(), "SCAN"); });
+                 [this] { return done(operations_.reload(), "RELOAD"); });
+    commands.add({1, 0, 2}, "SCAN", "scan for devices; those found are logged",
+                 [this] { return done(operations_.scan(), "SCAN"); });
     std::string links = "the number of the link:", lines = pulsed_lines();
     for (std::size_t i = 0; i < of_file_.links.size(); ++i) links += " " + std::to_string(i) + " " + of_file_.links[i].name;
     commands.add({1, 0, 3}, "RESTART_LINK", links, [this](std::uint8_t number) {
         if (number >= of_file_.links.size()) return done("there is no link " + std::to_string(number), "RESTART_LINK");
-        return done(deeds_.restart(of_file_.links[number].name), "RESTART_LINK");
+        return done(operations_.restart(of_file_.links[number].name), "RESTART_LINK");
     });
     commands.add({1, 0, 4}, "SUMMARY", "1 to 10: report each link once a second in the flexible frame with this number; 0: stop",
                  [this](std::uint8_t flexible) { return summarise(flexible); });
     if (!lines.empty())
         commands.add({1, 0, 5}, "PULSE", "the number of the GPIO line:" + lines,
-                     [this](std::uint8_t number) { return done(deeds_.pulse(number), "PULSE"); });
+                     [this](std::uint8_t number) { return done(operations_.pulse(number), "PULSE"); });
     commands.add({1, 0, 6}, "START_RECORDING", "start recording as configured; the status has the file",
-                 [this] { return done(deeds_.start_recording(), "START_RECORDING"); });
+                 [this] { return done(operations_.start_recording(), "START_RECORDING"); });
     commands.add({1, 0, 7}, "STOP_RECORDING", "stop that recording",
-                 [this] { return done(deeds_.stop_recording(), "STOP_RECORDING"); });
+                 [this] { return done(operations_.stop_recording(), "STOP_RECORDING"); });
 }
 
 std::string GatewayDevice::pulsed_lines() const {
@@ -148,7 +149,7 @@ bool GatewayDevice::act(ano::FrameView frame, const Asker& asker) {
 
 // The acknowledgement is sent after the values are stored on the disk.
 bool GatewayDevice::begin_save(ano::FrameView frame) {
-    const std::string why = saves_.size() < max_saves ? deeds_.save(written_) : "others wait for the disk already";
+    const std::string why = saves_.size() < max_saves ? operations_.save(written_) : "others wait for the disk already";
     if (!done(why, "save")) return true;
     const ano::Checks checks = frame.checks();
     saves_.push_back({frame.source(), asker_->link, {frame.id(), checks.sum, checks.add}, asker_->is_ourselves});
@@ -163,8 +164,8 @@ void GatewayDevice::saved(const std::string& fault, ano::TimePoint now) {
     now_ = now;
     if (!fault.empty()) {
         ++counters_.refused;
-        if (first.is_ourselves) deeds_.refuse_ourselves("the parameters are not saved: " + fault);
-        deeds_.warn("the parameters are not saved: " + fault);
+        if (first.is_ourselves) operations_.refuse_ourselves("the parameters are not saved: " + fault);
+        operations_.warn("the parameters are not saved: " + fault);
         return log("the parameters are not saved: " + fault, LogColor::red, now);
     }
     ++counters_.answered;
@@ -187,7 +188,7 @@ bool GatewayDevice::change(WrittenValues written) {
     }
     if (written == written_) return true;
     written_ = std::move(written);
-    deeds_.apply(written_);
+    operations_.apply(written_);
     return true;
 }
 
@@ -213,19 +214,19 @@ bool GatewayDevice::done(const std::string& refusal, std::string_view what) {
 // The reason is sent as a line of the log, because the protocol has no negative answer.
 void GatewayDevice::refuse(std::uint64_t GatewayDeviceCounters::*cause, const std::string& why) {
     ++(counters_.*cause);
-    if (asker_ && asker_->is_ourselves) deeds_.refuse_ourselves(why);
+    if (asker_ && asker_->is_ourselves) operations_.refuse_ourselves(why);
     if (now_ < next_refusal_) {
-        ++untold_refusals_;
+        ++unreported_refusals_;
         return;
     }
     next_refusal_ = now_ + between_refusals;
     std::string line = "refused a request of " + ano::hex_byte(asker_address_) + " to the gateway: " + why;
-    if (untold_refusals_ > 0) line += " (" + std::to_string(std::exchange(untold_refusals_, 0)) + " more since the last)";
-    deeds_.warn(line);
-    ano::Draft<"log"> told;
-    if (ano::address::is_host(asker_address_) && told.set<"color">(static_cast<std::uint8_t>(LogColor::red)) &&
-        told.set<"str">(ano::device::what_fits(line, told.data_size())))
-        device_->send(told, asker_address_, asker_->link);
+    if (unreported_refusals_ > 0) line += " (" + std::to_string(std::exchange(unreported_refusals_, 0)) + " more since the last)";
+    operations_.warn(line);
+    ano::Draft<"log"> log_frame;
+    if (ano::address::is_host(asker_address_) && log_frame.set<"color">(static_cast<std::uint8_t>(LogColor::red)) &&
+        log_frame.set<"str">(ano::device::what_fits(line, log_frame.data_size())))
+        device_->send(log_frame, asker_address_, asker_->link);
 }
 
 // Summaries are sent to the asker, or to all hosts if the asker is the control interface.
@@ -251,7 +252,7 @@ void GatewayDevice::forget(Link link) {
 }
 
 void GatewayDevice::send_summaries() {
-    const std::vector<LinkSummary> links = deeds_.summaries();
+    const std::vector<LinkSummary> links = operations_.summaries();
     for (const Listener& to : listeners_)
         for (std::size_t i = 0; i < links.size(); ++i) {
             std::vector<std::uint8_t> data{static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(links[i].state)};
@@ -267,7 +268,7 @@ void GatewayDevice::send_summaries() {
 void GatewayDevice::log(std::string_view text, LogColor color, ano::TimePoint now) {
     if (!device_) return;
     if (now >= lines_until_) {
-        tell_left_out();
+        report_left_out();
         lines_until_ = now + lines_per;
         lines_ = 0;
     }
@@ -280,7 +281,7 @@ void GatewayDevice::log(std::string_view text, LogColor color, ano::TimePoint no
     }
 }
 
-void GatewayDevice::tell_left_out() {
+void GatewayDevice::report_left_out() {
     if (lines_left_out_ > 0 && device_)
         device_->log(static_cast<float>(std::exchange(lines_left_out_, 0)), "log lines of the gateway were omitted");
 }
@@ -288,7 +289,7 @@ void GatewayDevice::tell_left_out() {
 void GatewayDevice::run(ano::TimePoint now) {
     now_ = now;
     if (!device_) return;
-    if (lines_left_out_ > 0 && now >= lines_until_) tell_left_out();
+    if (lines_left_out_ > 0 && now >= lines_until_) report_left_out();
     if (!summary_due_ || now < *summary_due_) return;
     summary_due_ = std::max(*summary_due_ + between_summaries, now);    // missed summaries are not sent later
     send_summaries();

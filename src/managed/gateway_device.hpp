@@ -34,7 +34,7 @@ struct LinkSummary {
 
 /// The operations that hosts may request and the program executes. Each returns the reason for a failure, as a clause; empty: it
 /// is done, or has begun.
-class GatewayDeeds {
+class GatewayOperations {
 public:
     /// Applies these values.
     virtual void apply(const WrittenValues& written) = 0;
@@ -55,7 +55,7 @@ public:
     virtual void warn(const std::string& line) = 0;
 
 protected:
-    ~GatewayDeeds() = default;
+    ~GatewayOperations() = default;
 };
 
 /// Counts the frames for the gateway by result.
@@ -97,7 +97,7 @@ public:
     static constexpr ano::Duration lines_per = std::chrono::seconds{5};
     static constexpr std::size_t max_saves = 8, max_listeners = 8;
 
-    explicit GatewayDevice(GatewayDeeds& deeds) : deeds_{deeds} {}
+    explicit GatewayDevice(GatewayOperations& operations) : operations_{operations} {}
 
     /// Sets the configuration file, and the values that overrule it. Without an id, or with the id of hosts, the gateway is not a
     /// device.
@@ -148,11 +148,11 @@ private:
     bool summarise(std::uint8_t flexible);
     bool done(const std::string& refusal, std::string_view what);
     void refuse(std::uint64_t GatewayDeviceCounters::*cause, const std::string& why);
-    void tell_left_out();
+    void report_left_out();
     void send_summaries();
     std::string pulsed_lines() const;
 
-    GatewayDeeds& deeds_;
+    GatewayOperations& operations_;
     Settings of_file_;
     WrittenValues written_;
     std::vector<ManagedParameter> rows_;
@@ -172,7 +172,7 @@ private:
     ano::TimePoint now_{};
 
     ano::TimePoint next_refusal_ = ano::TimePoint::min();
-    std::uint64_t untold_refusals_ = 0;
+    std::uint64_t unreported_refusals_ = 0;
     ano::TimePoint lines_until_ = ano::TimePoint::min();
     unsigned lines_ = 0;
     std::uint64_t lines_left_out_ = 0;    // in the current `lines_per`

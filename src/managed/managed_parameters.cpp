@@ -26,39 +26,39 @@ constexpr std::array<std::string_view, 5> levels{"trace", "debug", "info", "warn
 double level_of(const Settings& s, const LinkSettings&) {
     return static_cast<double>(std::find(levels.begin(), levels.end(), s.log.level) - levels.begin());
 }
-void put_level(Settings& s, LinkSettings&, double value) { s.log.level = levels[static_cast<std::size_t>(value)]; }
-std::string words_of_level(const Settings& s, const LinkSettings&) { return s.log.level; }
+void set_level(Settings& s, LinkSettings&, double value) { s.log.level = levels[static_cast<std::size_t>(value)]; }
+std::string level_text(const Settings& s, const LinkSettings&) { return s.log.level; }
 
 double memory_of(const Settings& s, const LinkSettings&) {
     return static_cast<double>(std::chrono::duration_cast<std::chrono::milliseconds>(s.gateway.forget_after).count());
 }
-void put_memory(Settings& s, LinkSettings&, double value) {
+void set_memory(Settings& s, LinkSettings&, double value) {
     s.gateway.forget_after = std::chrono::milliseconds{static_cast<std::int64_t>(value)};
 }
-std::string words_of_memory(const Settings& s, const LinkSettings& link) {
+std::string memory_text(const Settings& s, const LinkSettings& link) {
     return std::to_string(static_cast<std::int64_t>(memory_of(s, link))) + "ms";
 }
 
 // For Unknown::link, the link is the one in the file.
 double unknown_of(const Settings& s, const LinkSettings&) { return static_cast<double>(s.gateway.unknown); }
-void put_unknown_choice(Settings& s, LinkSettings&, double value) {
+void set_unknown_choice(Settings& s, LinkSettings&, double value) {
     s.gateway.unknown = static_cast<Unknown>(static_cast<std::uint8_t>(value));
     if (s.gateway.unknown != Unknown::link) s.gateway.unknown_link.clear();
 }
-std::string words_of_unknown(const Settings& s, const LinkSettings&) {
+std::string unknown_text(const Settings& s, const LinkSettings&) {
     if (s.gateway.unknown == Unknown::link) return "link " + s.gateway.unknown_link;
     return s.gateway.unknown == Unknown::flood ? "flood" : "drop";
 }
 
 double enabled_of(const Settings&, const LinkSettings& link) { return link.enabled ? 1 : 0; }
-void put_enabled(Settings&, LinkSettings& link, double value) { link.enabled = value != 0; }
-std::string words_of_enabled(const Settings&, const LinkSettings& link) { return link.enabled ? "yes" : "no"; }
+void set_enabled(Settings&, LinkSettings& link, double value) { link.enabled = value != 0; }
+std::string enabled_text(const Settings&, const LinkSettings& link) { return link.enabled ? "yes" : "no"; }
 
 bool is_telemetry(std::uint8_t id) { return ano::traffic_class_of(id) == ano::TrafficClass::telemetry; }
 
 // 0: the limits of the file for each message apply. Above 0: the maximum for every message of telemetry.
 double no_limit_of_its_own(const Settings&, const LinkSettings&) { return 0; }
-void put_limit(Settings&, LinkSettings& link, double value) {
+void set_rate_limit(Settings&, LinkSettings& link, double value) {
     if (value <= 0) return;
     std::vector<LimitRule>& rules = link.rules.limit;
     for (unsigned n = 0; n <= UINT8_MAX; ++n) {
@@ -69,7 +69,7 @@ void put_limit(Settings&, LinkSettings& link, double value) {
         else of_id->per_second = std::min(of_id->per_second, value);
     }
 }
-std::string words_of_limit(const Settings&, const LinkSettings& link) {
+std::string limit_text_of(const Settings&, const LinkSettings& link) {
     std::map<std::uint8_t, double> sorted;
     for (const LimitRule& rule : link.rules.limit)
         if (is_telemetry(rule.id)) sorted[rule.id] = rule.per_second;
@@ -95,7 +95,7 @@ const LinkSettings* link_of(const Settings& settings, const std::string& name) {
 }
 
 /// std::nullopt: no such link.
-std::optional<std::string> words_in(const Settings& settings, const ManagedParameter& row) {
+std::optional<std::string> value_text_in(const Settings& settings, const ManagedParameter& row) {
     const LinkSettings none;
     if (row.link.empty()) return row.words(settings, none);
     const LinkSettings* const link = link_of(settings, row.link);
@@ -125,8 +125,8 @@ std::vector<ManagedParameter> managed_parameters(const Settings& of_file) {
          4,
          {},
          level_of,
-         put_level,
-         words_of_level},
+         set_level,
+         level_text},
         {"gateway/forget_after",
          "FORGET_AFTER",
          "ms without frames until an address is forgotten",
@@ -135,8 +135,8 @@ std::vector<ManagedParameter> managed_parameters(const Settings& of_file) {
          static_cast<double>(max_memory.count()),
          {},
          memory_of,
-         put_memory,
-         words_of_memory},
+         set_memory,
+         memory_text},
         {"gateway/unknown",
          "UNKNOWN",
          "frames to unknown addresses: 0 flood, 1 drop" +
@@ -146,18 +146,18 @@ std::vector<ManagedParameter> managed_parameters(const Settings& of_file) {
          names_a_link ? 2.0 : 1.0,
          {},
          unknown_of,
-         put_unknown_choice,
-         words_of_unknown},
+         set_unknown_choice,
+         unknown_text},
     };
     std::set<std::string> taken;
     for (const ManagedParameter& row : rows) taken.insert(row.name);
     for (const LinkSettings& link : of_file.links) {
         const std::string key = "links/" + link.name + "/";
         rows.push_back({key + "enabled", short_name("EN_", link.name, taken), "the link " + link.name + ": 1 enabled, 0 disabled",
-                        Type::u8, 0, 1, link.name, enabled_of, put_enabled, words_of_enabled});
+                        Type::u8, 0, 1, link.name, enabled_of, set_enabled, enabled_text});
         rows.push_back({key + "limit", short_name("LIM_", link.name, taken),
                         "the link " + link.name + ": maximum frames per second sent of each telemetry message; 0: as configured",
-                        Type::f32, 0, max_per_second, link.name, no_limit_of_its_own, put_limit, words_of_limit});
+                        Type::f32, 0, max_per_second, link.name, no_limit_of_its_own, set_rate_limit, limit_text_of});
     }
     return rows;
 }
@@ -179,7 +179,7 @@ std::string_view text(ValueFrom from) noexcept {
 }
 
 void WrittenValues::write(const ManagedParameter& row, double value, const Settings& of_file) {
-    const auto words = words_in(of_file, row);
+    const auto words = value_text_in(of_file, row);
     if (!words) return;
     if (value == value_in(of_file, row)) values_.erase(row.key);
     else values_[row.key] = {value, *words};
@@ -188,7 +188,7 @@ void WrittenValues::write(const ManagedParameter& row, double value, const Setti
 // Checks the range, because a value from a file may be invalid.
 std::optional<double> WrittenValues::value(const ManagedParameter& row, const Settings& of_file) const {
     const auto found = values_.find(row.key);
-    if (found == values_.end() || words_in(of_file, row) != found->second.file) return std::nullopt;
+    if (found == values_.end() || value_text_in(of_file, row) != found->second.file) return std::nullopt;
     const double value = found->second.value;
     if (!(value >= row.min && value <= row.max)) return std::nullopt;
     return row.type == Type::f32 ? value : std::floor(value);
@@ -198,7 +198,7 @@ std::pair<double, ValueFrom> WrittenValues::effective(const ManagedParameter& ro
     if (const auto written = value(row, of_file)) return {*written, ValueFrom::parameter};
     const Settings usual;
     const LinkSettings usual_link;
-    const bool is_default = *words_in(of_file, row) == row.words(usual, usual_link);
+    const bool is_default = *value_text_in(of_file, row) == row.words(usual, usual_link);
     return {value_in(of_file, row), is_default ? ValueFrom::defaults : ValueFrom::file};
 }
 

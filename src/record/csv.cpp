@@ -147,7 +147,7 @@ void CsvWriter::write_cell(const ano::Reading& reading, const ano::Field& f, int
     }
     if (f.type == ano::Type::text) {
         const auto text = std::get<std::string_view>(reading.value(f));
-        return ano::is_ascii(text) ? append_cell(text, out) : append_cell(ano::shown_text(text, options_.encoding), out);
+        return ano::is_ascii(text) ? append_cell(text, out) : append_cell(ano::display_text(text, options_.encoding), out);
     }
     json_.clear();
     ano::JsonWriter json{json_};

@@ -103,7 +103,7 @@ void DecodedChannels::State::decode(const ano::Reading& reading, const RecordedF
 
 void DecodedChannels::State::decode_standard(const ano::Reading& reading, std::uint64_t time_ns, DecodedDevice& device) {
     std::size_t number = 0;
-    for (const StandardTopic topic : device.standard.hear(reading, time_ns)) {
+    for (const StandardTopic topic : device.standard.receive(reading, time_ns)) {
         ChannelNumber& channel = device.standard_channels[static_cast<std::size_t>(topic)];
         const auto& [name, type] = standard_row(topic);
         if (!channel) {

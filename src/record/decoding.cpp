@@ -11,15 +11,15 @@
 namespace anogate {
 namespace {
 
-constexpr std::pair<LinkTexts, std::string_view> words_of_texts[] = {
+constexpr std::pair<LinkTexts, std::string_view> encoding_words[] = {
     {LinkTexts::utf8, "utf8"}, {LinkTexts::gbk, "gbk"}, {LinkTexts::expect_gbk, "expect_gbk"}};
 
 std::map<std::string, LinkTexts, std::less<>> read_texts(const nlohmann::json& json) {
     std::map<std::string, LinkTexts, std::less<>> texts;
     if (!json.is_object()) return texts;
-    for (const auto& [link, said] : json.items())
-        for (const auto& [one, word] : words_of_texts)
-            if (said == word) texts.emplace(link, one);
+    for (const auto& [link, encoding_name] : json.items())
+        for (const auto& [one, word] : encoding_words)
+            if (encoding_name == word) texts.emplace(link, one);
     return texts;
 }
 
@@ -35,7 +35,7 @@ std::string Decoding::text() const {
     if (!flexible_.empty()) json["flexible"] = ano::flexible_to_json(flexible_);
     for (const std::string& link : lx_) json["attitude"][link] = "lx";
     for (const auto& [link, texts] : texts_)
-        for (const auto& [one, word] : words_of_texts)
+        for (const auto& [one, word] : encoding_words)
             if (one == texts) json["encoding"][link] = word;
     return ano::compact_json(json);
 }

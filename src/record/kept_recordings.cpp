@@ -75,8 +75,8 @@ void RecordingAges::look(std::span<KeptRecording> recordings, seconds since_1970
     const auto age_when_seen = [&](const KeptRecording& recording) {
         if (recording.changed < clock_was_set) return seconds::zero();
         if (looked_at_) return std::min(std::max(since_1970 - recording.changed, seconds::zero()), steady - *looked_at_);
-        const auto told = ages.find(recording.changed);
-        return told == ages.end() ? seconds::zero() : told->second;
+        const auto known_age = ages.find(recording.changed);
+        return known_age == ages.end() ? seconds::zero() : known_age->second;
     };
     std::map<std::string, Seen> seen;
     for (KeptRecording& recording : recordings) {

@@ -42,7 +42,7 @@ std::uint64_t nanoseconds_of(std::uint64_t units, std::uint64_t per_second) {
 }
 
 // Parses "1763898044.123456789" at the front and removes it; the result in ns.
-std::optional<std::uint64_t> take_seconds(std::string_view& text) {
+std::optional<std::uint64_t> parse_seconds(std::string_view& text) {
     std::uint64_t seconds = 0, below = 0;
     const char* const end = text.data() + text.size();
     const auto whole = std::from_chars(text.data(), end, seconds);
@@ -53,7 +53,7 @@ std::optional<std::uint64_t> take_seconds(std::string_view& text) {
     return seconds * second_ns + below;
 }
 
-bool take(std::string_view& text, std::string_view words) {
+bool skip_prefix(std::string_view& text, std::string_view words) {
     if (!text.starts_with(words)) return false;
     text.remove_prefix(words.size());
     return true;
@@ -77,7 +77,7 @@ std::uint64_t PcapngReader::u64(Bytes bytes, std::size_t at) const noexcept {
 }
 
 // The list also ends at the end of the block, and at an invalid option.
-std::optional<PcapngReader::Option> PcapngReader::take_option(Bytes& options) const noexcept {
+std::optional<PcapngReader::Option> PcapngReader::next_option(Bytes& options) const noexcept {
     if (options.size() < 4) return std::nullopt;
     const std::uint16_t code = u16(options, 0);
     const std::size_t size = u16(options, 2);
@@ -88,7 +88,7 @@ std::optional<PcapngReader::Option> PcapngReader::take_option(Bytes& options) co
     return option;
 }
 
-void PcapngReader::give(std::string_view bytes) {
+void PcapngReader::feed(std::string_view bytes) {
     loss_.reset();
     frame_.reset();
     buffer_.erase(0, at_);
@@ -97,7 +97,7 @@ void PcapngReader::give(std::string_view bytes) {
 }
 
 // The body of the next block.
-std::optional<PcapngReader::Bytes> PcapngReader::take_block(std::uint32_t& type) {
+std::optional<PcapngReader::Bytes> PcapngReader::read_block(std::uint32_t& type) {
     const Bytes rest{reinterpret_cast<const std::uint8_t*>(buffer_.data()) + at_, buffer_.size() - at_};
     if (is_damaged() || rest.size() < min_block) return std::nullopt;
     type = u32(rest, 0);    // the type of a section header is the same in either byte order
@@ -125,14 +125,14 @@ std::optional<Recorded> PcapngReader::next() {
         if (loss_) return Recorded{*std::exchange(loss_, std::nullopt)};
         if (frame_) return Recorded{*std::exchange(frame_, std::nullopt)};
         std::uint32_t type = 0;
-        const auto body = take_block(type);
+        const auto body = read_block(type);
         if (!body) return std::nullopt;
         const std::uint64_t skipped_before = skipped_.count;
         switch (type) {
         case section_header: begin_section(*body); break;
         case interface_description: add_interface(*body); break;
         case interface_statistics: end_interface(*body); break;
-        case enhanced_packet: take_packet(*body); break;
+        case enhanced_packet: read_packet(*body); break;
         case old_packet:
         case simple_packet: ++foreign_; break;
         default: break;    // host names, keys and blocks of other programs
@@ -153,14 +153,14 @@ void PcapngReader::begin_section(Bytes body) {
     interfaces_.clear();
     for (std::string& peer : peers_) peer.clear();
     head_ = {};
-    for (Bytes options = body.subspan(16); const auto option = take_option(options);) {
+    for (Bytes options = body.subspan(16); const auto option = next_option(options);) {
         std::string_view text = text_in(option->value);
         if (option->code == shb_userappl) head_.program = text;
-        if (option->code != opt_comment || !take(text, unix_mark)) continue;
-        const auto time = take_seconds(text);
-        if (!time || !take(text, boot_mark)) continue;
+        if (option->code != opt_comment || !skip_prefix(text, unix_mark)) continue;
+        const auto time = parse_seconds(text);
+        if (!time || !skip_prefix(text, boot_mark)) continue;
         head_.time_ns = *time;
-        head_.boottime_ns = take_seconds(text).value_or(0);
+        head_.boottime_ns = parse_seconds(text).value_or(0);
     }
 }
 
@@ -174,7 +174,7 @@ void PcapngReader::add_interface(Bytes body) {
     interface.ours = u16(body, 0) == link_type_user0;
     (interface.ours ? has_ours_ : has_strangers_) = true;
     interface.per_second = 1'000'000;
-    for (Bytes options = body.subspan(8); const auto option = take_option(options);) {
+    for (Bytes options = body.subspan(8); const auto option = next_option(options);) {
         if (option->code == if_name) interface.name = text_in(option->value);
         if (option->code == if_description) interface.description = text_in(option->value);
         if (option->code == if_tsresol && option->value.size() == 1) interface.per_second = units_per_second(option->value[0]);
@@ -187,15 +187,15 @@ void PcapngReader::end_interface(Bytes body) {
     has_end_ = true;
     if (body.size() < 12) return;
     RecordedLoss loss;
-    for (Bytes options = body.subspan(12); const auto option = take_option(options);) {
+    for (Bytes options = body.subspan(12); const auto option = next_option(options);) {
         if (option->code == isb_osdrop && option->value.size() == 8) loss.count = u64(option->value, 0);
         std::string_view text = text_in(option->value);
-        if (option->code == opt_comment && take(text, lost_mark)) loss.names = text;
+        if (option->code == opt_comment && skip_prefix(text, lost_mark)) loss.names = text;
     }
     if (loss.count > 0) loss_ = loss;
 }
 
-void PcapngReader::take_packet(Bytes body) {
+void PcapngReader::read_packet(Bytes body) {
     if (body.size() < 20) return skip("a packet is too short", true);
     const std::size_t number = u32(body, 0), size = u32(body, 12), whole_size = u32(body, 16);
     if (number >= interfaces_.size()) return skip("a packet belongs to an interface without a description", true);
@@ -218,7 +218,7 @@ void PcapngReader::take_packet(Bytes body) {
 void PcapngReader::read_options(Bytes options, RecordedFrame& frame) {
     RecordedLoss loss;
     std::string decoding;
-    while (const auto option = take_option(options)) {
+    while (const auto option = next_option(options)) {
         std::string_view text = text_in(option->value);
         const std::size_t size = option->value.size();
         if (option->code == epb_flags && size == 4 && frame.direction != Direction::dropped)
@@ -227,8 +227,8 @@ void PcapngReader::read_options(Bytes options, RecordedFrame& frame) {
         else if (option->code == epb_queue && size == 4 && u32(option->value, 0) < peers_.size())
             frame.channel = static_cast<std::uint8_t>(u32(option->value, 0));
         else if (option->code == opt_boottime && size == 8) frame.boottime_ns = u64(option->value, 0);
-        else if (option->code == opt_comment && take(text, lost_mark)) loss.names = text;
-        else if (option->code == opt_comment && take(text, decoding_mark)) decoding += text;
+        else if (option->code == opt_comment && skip_prefix(text, lost_mark)) loss.names = text;
+        else if (option->code == opt_comment && skip_prefix(text, decoding_mark)) decoding += text;
         else if (option->code == opt_comment) read_comment(text, frame);
     }
     if (!decoding.empty()) head_.decoding = Decoding::parse(decoding);
@@ -237,14 +237,14 @@ void PcapngReader::read_options(Bytes options, RecordedFrame& frame) {
 }
 
 void PcapngReader::read_comment(std::string_view text, RecordedFrame& frame) {
-    if (take(text, dropped_mark)) {
+    if (skip_prefix(text, dropped_mark)) {
         frame.direction = Direction::dropped;
         frame.cause = text;
-    } else if (take(text, channel_mark)) {
+    } else if (skip_prefix(text, channel_mark)) {
         std::uint8_t number = 0;
         const auto [behind, fault] = std::from_chars(text.data(), text.data() + text.size(), number);
         text.remove_prefix(static_cast<std::size_t>(behind - text.data()));
-        if (fault == std::errc{} && take(text, ": ")) peers_[number] = text;
+        if (fault == std::errc{} && skip_prefix(text, ": ")) peers_[number] = text;
     }
 }
 

@@ -20,7 +20,7 @@ public:
     static constexpr std::size_t max_block = 16 * 1024 * 1024;
     static constexpr std::size_t max_interfaces = 65536;
 
-    void give(std::string_view bytes) override;
+    void feed(std::string_view bytes) override;
     std::optional<Recorded> next() override;
 
     RecordingFormat format() const noexcept override { return RecordingFormat::pcapng; }
@@ -53,13 +53,13 @@ private:
     std::uint16_t u16(Bytes bytes, std::size_t at) const noexcept;
     std::uint32_t u32(Bytes bytes, std::size_t at) const noexcept;
     std::uint64_t u64(Bytes bytes, std::size_t at) const noexcept;
-    std::optional<Option> take_option(Bytes& options) const noexcept;
+    std::optional<Option> next_option(Bytes& options) const noexcept;
 
-    std::optional<Bytes> take_block(std::uint32_t& type);
+    std::optional<Bytes> read_block(std::uint32_t& type);
     void begin_section(Bytes body);
     void add_interface(Bytes body);
     void end_interface(Bytes body);
-    void take_packet(Bytes body);
+    void read_packet(Bytes body);
     void read_options(Bytes options, RecordedFrame& frame);
     void read_comment(std::string_view text, RecordedFrame& frame);
     void damage(const char* what) noexcept { fault_ = what; }

@@ -12,7 +12,7 @@ namespace {
 using namespace pcapng;
 
 template <class T>
-void put_number(std::string& out, T number) {
+void append_raw(std::string& out, T number) {
     for (std::size_t i = 0; i < sizeof number; ++i) out += static_cast<char>(number >> 8 * i & 0xFF);
 }
 
@@ -22,12 +22,12 @@ void pad(std::string& out) { out.append((4 - out.size() % 4) % 4, '\0'); }
 class Block {
 public:
     explicit Block(std::uint32_t type) {
-        put_number(bytes_, type);
-        put_number(bytes_, std::uint32_t{0});
+        append_raw(bytes_, type);
+        append_raw(bytes_, std::uint32_t{0});
     }
     template <std::unsigned_integral T>
     Block& number(T value) {
-        put_number(bytes_, value);
+        append_raw(bytes_, value);
         return *this;
     }
     Block& data(std::span<const std::uint8_t> data) {
@@ -37,15 +37,15 @@ public:
     }
     template <std::unsigned_integral T>
     Block& option(std::uint16_t code, T value) {
-        put_number(bytes_, code);
-        put_number(bytes_, static_cast<std::uint16_t>(sizeof value));
-        put_number(bytes_, value);
+        append_raw(bytes_, code);
+        append_raw(bytes_, static_cast<std::uint16_t>(sizeof value));
+        append_raw(bytes_, value);
         pad(bytes_);
         return *this;
     }
     Block& option(std::uint16_t code, std::string_view text) {
-        put_number(bytes_, code);
-        put_number(bytes_, static_cast<std::uint16_t>(text.size()));
+        append_raw(bytes_, code);
+        append_raw(bytes_, static_cast<std::uint16_t>(text.size()));
         bytes_ += text;
         pad(bytes_);
         return *this;
@@ -54,7 +54,7 @@ public:
         option(opt_end, std::string_view{});
         const auto size = static_cast<std::uint32_t>(bytes_.size() + 4);
         for (std::size_t i = 0; i < 4; ++i) bytes_[4 + i] = static_cast<char>(size >> 8 * i & 0xFF);
-        put_number(bytes_, size);
+        append_raw(bytes_, size);
         out += bytes_;
     }
 
@@ -118,7 +118,7 @@ void PcapngWriter::write(const RecordedFrame& frame, std::string& out) {
     if (frame.channel) block.option(epb_queue, std::uint32_t{*frame.channel});
     if (frame.direction == Direction::dropped)
         block.option(opt_comment, std::string{dropped_mark}.append(text_that_fits(frame.cause)));
-    if (lost_ > 0) block.option(opt_comment, take_lost_names());
+    if (lost_ > 0) block.option(opt_comment, pop_lost_names());
     if (const std::string_view peer = text_that_fits(frame.peer); frame.channel && peers_[*frame.channel] != peer) {
         peers_[*frame.channel] = peer;
         block.option(opt_comment, std::string{channel_mark} + std::to_string(*frame.channel) + ": " + std::string{peer});
@@ -140,7 +140,7 @@ void PcapngWriter::write(const RecordedLoss& loss) {
     lost_names_.resize(text_that_fits(lost_names_).size());
 }
 
-std::string PcapngWriter::take_lost_names() {
+std::string PcapngWriter::pop_lost_names() {
     lost_ = 0;
     return std::string{lost_mark} + std::exchange(lost_names_, {});
 }
@@ -157,7 +157,7 @@ void PcapngWriter::end(std::string& out) {
         block.number(static_cast<std::uint32_t>(interface.last_ns >> 32)).number(static_cast<std::uint32_t>(interface.last_ns));
         block.option(isb_ifrecv, interface.frames);
         if (i == 0 && all_lost_ > 0) block.option(isb_ifdrop, all_lost_);    // the link of lost frames is not known
-        if (i == 0 && lost_ > 0) block.option(isb_osdrop, lost_).option(opt_comment, take_lost_names());
+        if (i == 0 && lost_ > 0) block.option(isb_osdrop, lost_).option(opt_comment, pop_lost_names());
         block.end(out);
     }
 }

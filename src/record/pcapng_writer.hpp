@@ -35,7 +35,7 @@ private:
         std::uint64_t last_ns = 0;
     };
     std::uint32_t interface_of(const RecordedFrame& frame, std::string& out);
-    std::string take_lost_names();
+    std::string pop_lost_names();
 
     std::vector<Interface> interfaces_;
     std::map<std::string, std::uint32_t, std::less<>> numbers_;    // index in interfaces_, by name

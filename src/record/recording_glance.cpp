@@ -20,7 +20,7 @@ T loaded_at(std::string_view bytes, std::size_t at) {
 }
 
 /// Removes the last block from `bytes` and returns it; std::nullopt: no block ends there.
-std::optional<std::string_view> take_last_block(std::string_view& bytes) {
+std::optional<std::string_view> pop_last_block(std::string_view& bytes) {
     if (bytes.size() < block_ends) return std::nullopt;
     const auto size = loaded_at<std::uint32_t>(bytes, bytes.size() - 4);
     if (size < block_ends || size % 4 != 0 || size > bytes.size()) return std::nullopt;
@@ -76,7 +76,7 @@ std::optional<double> seconds_between(const Passed& first, const Passed& last) {
 RecordingGlance glance_at_pcapng(std::string_view first, std::string_view last) {
     RecordingGlance glance;
     PcapngReader reader;
-    reader.give(first);
+    reader.feed(first);
     std::optional<Passed> begin;
     while (const auto item = reader.next())
         if (const auto* const frame = std::get_if<RecordedFrame>(&*item); frame && !begin)
@@ -84,7 +84,7 @@ RecordingGlance glance_at_pcapng(std::string_view first, std::string_view last) 
     if (reader.position() > 0) glance.head = reader.head();
     std::uint64_t frames = 0;
     Passed end;
-    while (const auto block = take_last_block(last)) {
+    while (const auto block = pop_last_block(last)) {
         if (loaded_at<std::uint32_t>(*block, 0) != interface_statistics) {
             end.boottime = boottime_of(*block);
             break;
@@ -102,7 +102,7 @@ RecordingGlance glance_at_pcapng(std::string_view first, std::string_view last) 
 RecordingHead head_of_mcap(std::string_view file) {
     if (!file.starts_with(mcap::magic)) return {};
     file.remove_prefix(mcap::magic.size());
-    const auto header = mcap::take_record(file), metadata = mcap::take_record(file);
+    const auto header = mcap::next_record(file), metadata = mcap::next_record(file);
     const bool are_there = header && header->opcode == mcap::Opcode::header && metadata &&
                            metadata->opcode == mcap::Opcode::metadata;
     if (!are_there || mcap::name_of_metadata(metadata->body) != mcap::head_name) return {};
@@ -113,7 +113,7 @@ bool has_end_of_mcap(std::string_view last) {
     constexpr std::size_t size = mcap::footer_size + mcap::magic.size();
     if (last.size() < size) return false;
     last.remove_prefix(last.size() - size);
-    const auto footer = mcap::take_record(last);
+    const auto footer = mcap::next_record(last);
     return footer && footer->opcode == mcap::Opcode::footer && last == mcap::magic;
 }
 

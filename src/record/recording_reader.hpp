@@ -28,16 +28,16 @@ struct SkippedPart {
 };
 
 struct SkippedParts {
-    static constexpr std::size_t max_told = 16;
+    static constexpr std::size_t max_listed = 16;
 
     std::uint64_t count = 0, bytes = 0;
     std::uint64_t frames = 0;            // known to be in the skipped parts
-    std::vector<SkippedPart> first{};    // the first skipped parts, at most max_told
+    std::vector<SkippedPart> first{};    // the first skipped parts, at most max_listed
 
     void add(const SkippedPart& part) {
         ++count;
         bytes += part.size;
-        if (first.size() < max_told) first.push_back(part);
+        if (first.size() < max_listed) first.push_back(part);
     }
     friend bool operator==(const SkippedParts&, const SkippedParts&) = default;
 };
@@ -47,7 +47,7 @@ public:
     virtual ~RecordingReader() = default;
 
     /// The next bytes of the file.
-    virtual void give(std::string_view bytes) = 0;
+    virtual void feed(std::string_view bytes) = 0;
     /// Valid until the next call. std::nullopt: more bytes are needed, or the file is damaged.
     virtual std::optional<Recorded> next() = 0;
 

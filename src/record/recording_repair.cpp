@@ -11,8 +11,8 @@ namespace {
 // The end mark contains the number of frames of each link, so a writer that gets the same frames produces it.
 class PcapngReading final : public RecordingRepair::Reading {
 public:
-    void give(std::string_view bytes) override {
-        reader_.give(bytes);
+    void feed(std::string_view bytes) override {
+        reader_.feed(bytes);
         while (const auto item = reader_.next()) {
             if (!writer_) writer_ = std::make_unique<PcapngWriter>(reader_.head(), written_);
             if (const auto* frame = std::get_if<RecordedFrame>(&*item)) {
@@ -58,7 +58,7 @@ RecordingRepair::RecordingRepair(RecordingFormat format) {
     else reading_ = std::make_unique<PcapngReading>();
 }
 RecordingRepair::~RecordingRepair() = default;
-void RecordingRepair::give(std::string_view bytes) { reading_->give(bytes); }
+void RecordingRepair::feed(std::string_view bytes) { reading_->feed(bytes); }
 RecordingRepair::Result RecordingRepair::finish() { return reading_->finish(); }
 
 }    // namespace anogate

@@ -30,7 +30,7 @@ public:
     RecordingRepair& operator=(const RecordingRepair&) = delete;
 
     /// The next bytes of the file.
-    void give(std::string_view bytes);
+    void feed(std::string_view bytes);
     /// The result if the file ends here; give() may be called again afterwards.
     Result finish();
 
@@ -38,7 +38,7 @@ public:
     class Reading {
     public:
         virtual ~Reading() = default;
-        virtual void give(std::string_view bytes) = 0;
+        virtual void feed(std::string_view bytes) = 0;
         virtual Result finish() = 0;
     };
 

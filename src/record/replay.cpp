@@ -63,10 +63,10 @@ ano::Duration ReplayClock::at_rate(ano::Duration elapsed) const noexcept {
 std::optional<ano::Duration> ReplayPlan::due(const RecordedFrame& frame) {
     const ano::Duration elapsed = clock_.elapsed(frame);
     is_over_ = options_.to > ano::Duration{} && elapsed >= options_.to;
-    if (!says_some_) note(frame, elapsed);
+    if (!has_chosen_) note(frame, elapsed);
     if (is_over_ || elapsed < options_.from || !is_wanted(frame)) return std::nullopt;
     switch (options_.commands ? Risk::none : risk_of(frame.frame)) {
-    case Risk::none: says_some_ = true; return clock_.at_rate(elapsed - options_.from);
+    case Risk::none: has_chosen_ = true; return clock_.at_rate(elapsed - options_.from);
     case Risk::of_host: ++kept_back_.of_hosts; break;
     case Risk::command: ++kept_back_.commands; break;
     case Risk::tunnel: ++kept_back_.tunnels; break;
@@ -82,7 +82,7 @@ void ReplayPlan::note(const RecordedFrame& frame, ano::Duration elapsed) {
 }
 
 std::string ReplayPlan::why_nothing() const {
-    if (says_some_) return {};
+    if (has_chosen_) return {};
     if (!has_frames_) return "it contains no frames";
     const auto is_seen = [&](const std::string& link) { return std::find(seen_.begin(), seen_.end(), link) != seen_.end(); };
     const auto& links = options_.links;

@@ -75,7 +75,7 @@ private:
     KeptBack kept_back_;
     bool is_over_ = false;
 
-    bool says_some_ = false;    // a frame was chosen; from then on the members below are not updated
+    bool has_chosen_ = false;    // a frame was chosen; from then on the members below are not updated
     bool has_frames_ = false;
     ano::Duration length_{};           // of the recording so far
     std::vector<std::string> seen_;    // names of links, at most 16

@@ -4,14 +4,14 @@
 
 namespace anogate {
 
-ano::Duration DiskPace::silence_that_is_told() const noexcept {
-    const bool is_told_of = has_lost_ || longest_ > ano::Duration::zero();    // not if only behind: a silence may follow
-    return is_troubled_ && is_told_of ? std::max(hang_told, 2 * longest_) : silence_told;
+ano::Duration DiskPace::reported_silence() const noexcept {
+    const bool was_reported = has_lost_ || longest_ > ano::Duration::zero();    // not if only behind: a silence may follow
+    return is_troubled_ && was_reported ? std::max(min_further_silence, 2 * longest_) : min_silence;
 }
 
 // The first look() after a reported silence does not report slowness: the frames that waited during it are still being written.
 DiskPace::State DiskPace::look(ano::TimePoint now, const Signs& signs) noexcept {
-    const bool is_quiet = signs.silence >= silence_told, was_silent = state_ == State::silent;
+    const bool is_quiet = signs.silence >= min_silence, was_silent = state_ == State::silent;
     if (signs.fails || (is_troubled_ && now >= troubled_until_)) {
         is_troubled_ = has_lost_ = false;
         longest_ = silence_ = {};
@@ -19,8 +19,8 @@ DiskPace::State DiskPace::look(ano::TimePoint now, const Signs& signs) noexcept 
     if (!is_quiet) longest_ = std::max(longest_, silence_);
     silence_ = is_quiet ? signs.silence : ano::Duration{};
 
-    if (!was_silent) before_ = silence_that_is_told() == silence_told ? State::well : state_;
-    if (is_quiet) state_ = was_silent || signs.silence >= silence_that_is_told() ? State::silent : State::slow;
+    if (!was_silent) before_ = reported_silence() == min_silence ? State::well : state_;
+    if (is_quiet) state_ = was_silent || signs.silence >= reported_silence() ? State::silent : State::slow;
     else if (was_silent) state_ = is_troubled_ ? before_ : State::well;
     else if (signs.is_behind && !signs.fails) state_ = State::slow;
     else if (!is_troubled_) state_ = State::well;

@@ -11,14 +11,15 @@ namespace anogate {
 /// reported once. look() is called about every 150 ms while a recording runs.
 class DiskPace {
 public:
-    static constexpr ano::Duration silence_told = std::chrono::milliseconds{750};
-    static constexpr ano::Duration hang_told = std::chrono::seconds{30};    // minimum silence of a disk already reported as slow
-    static constexpr ano::Duration holds = std::chrono::seconds{10};        // how long a state lasts after its last sign
+    static constexpr ano::Duration min_silence = std::chrono::milliseconds{750};
+    static constexpr ano::Duration min_further_silence = std::chrono::seconds{
+        30};                                                            // minimum silence of a disk already reported as slow
+    static constexpr ano::Duration holds = std::chrono::seconds{10};    // how long a state lasts after its last sign
 
     enum class State : std::uint8_t {
         well,
         slow,    // it writes less than is recorded, or is silent again
-        silent    // it writes nothing for silence_told; after an earlier silence or a loss: for hang_told and twice the longest silence
+        silent    // it writes nothing for min_silence; after an earlier silence or a loss: for min_further_silence and twice the longest silence
     };
     struct Signs {
         ano::Duration silence{};    // since the last answer of the disk, while a request is pending; 0: no request is pending
@@ -30,7 +31,7 @@ public:
     State look(ano::TimePoint now, const Signs& signs) noexcept;
 
 private:
-    ano::Duration silence_that_is_told() const noexcept;
+    ano::Duration reported_silence() const noexcept;
 
     State state_ = State::well;
     State before_ = State::well;             // the state before `silent`

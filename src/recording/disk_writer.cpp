@@ -27,7 +27,7 @@ bool is_of_the_file(int error) noexcept {
 std::uint64_t RecorderItem::frames() const noexcept { return batch ? count_of_records(*batch) : 0; }
 
 // The item is stored first: its bytes can be encoded again.
-void DiskWriter::take(RecorderItem item) {
+void DiskWriter::add(RecorderItem item) {
     try {
         unsafe_.push_back(std::move(item));
     } catch (const std::bad_alloc&) {
@@ -46,7 +46,7 @@ void DiskWriter::encode(const RecorderItem& item) {
     if (item.lost) writer_->write(RecordedLoss{item.lost->count, loss_names(*item.lost)});
     if (!item.batch) return;
     std::string_view rest = *item.batch;
-    while (const auto record = take_record(rest)) {
+    while (const auto record = next_record(rest)) {
         writer_->write(as_recorded(*record, *names_), waiting_);
         ++waiting_frames_;
     }
@@ -64,7 +64,7 @@ void DiskWriter::finish(ano::TimePoint now) {
     is_finishing_ = true;
     hurry();
     turn(now);
-    if (!error_.empty()) give_up();
+    if (!error_.empty()) abandon();
 }
 
 // The RecordingWriter may have stopped in the middle of a record: its file is cut to the synced part, and the rest goes into the next one.
@@ -72,15 +72,15 @@ void DiskWriter::lacks_memory(ano::TimePoint now) noexcept {
     if (file_) leave_file();
     error_ = "out of memory";    // short enough to need no allocation
     try_again_at_ = now + try_again_after;
-    if (is_finishing_) give_up();
+    if (is_finishing_) abandon();
     report();
 }
 
-void DiskWriter::give_up() noexcept {
-    std::uint64_t given_up = waiting_frames_;
+void DiskWriter::abandon() noexcept {
+    std::uint64_t abandoned = waiting_frames_;
     if (!file_)
-        for (const RecorderItem& item : unsafe_) given_up += item.frames();
-    progress_.not_written += given_up;
+        for (const RecorderItem& item : unsafe_) abandoned += item.frames();
+    progress_.not_written += abandoned;
 }
 
 // Returns empty, or a clause with the reason of the failure.

@@ -1,6 +1,6 @@
 // Encodes frames and writes them to files, in the thread of a recorder. Every call may block on the disk.
 //
-// Flow:    while (disk.takes_more()) disk.take(item);    // in their order
+// Flow:    while (disk.accepts_more()) disk.take(item);    // in their order
 //          disk.turn(now);                               // often: at least every 250 ms while there are frames
 //          disk.finish(now);                             // no take() after it
 #pragma once
@@ -41,7 +41,7 @@ struct DiskProgress {
     void is_idle() noexcept { busy_since = 0; }
 };
 
-/// Keeps every item until it is synced to the disk (fdatasync). A failed write is repeated every second; meanwhile takes_more()
+/// Keeps every item until it is synced to the disk (fdatasync). A failed write is repeated every second; meanwhile accepts_more()
 /// is false, and the caller counts the losses. A file that was removed or can't be synced is given up: it is cut to the part that
 /// was synced, and everything after that is written to the next file.
 class DiskWriter {
@@ -55,8 +55,8 @@ public:
     /// `settings` and `progress` must outlive it.
     DiskWriter(const RecorderSettings& settings, DiskProgress& progress) : settings_{settings}, progress_{progress} {}
 
-    bool takes_more() const noexcept { return writer_ && error_.empty(); }
-    void take(RecorderItem item);
+    bool accepts_more() const noexcept { return writer_ && error_.empty(); }
+    void add(RecorderItem item);
     /// Enough bytes are waiting to call turn() now.
     bool has_much() const noexcept { return waiting_.size() >= much; }
     void turn(ano::TimePoint now);
@@ -81,7 +81,7 @@ private:
     void encode(const RecorderItem& item);
     void is_safe(ano::TimePoint now);
     void leave_file() noexcept;
-    void give_up() noexcept;
+    void abandon() noexcept;
     void report();
 
     const RecorderSettings& settings_;

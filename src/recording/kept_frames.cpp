@@ -39,7 +39,7 @@ bool KeptFramesWriting::next(std::string& into) {
             if (!decode_alike(part.names->decoding, decoding_)) writer_->use(decoding_ = part.names->decoding, into);
             rest_ = part.batch ? std::string_view{*part.batch} : std::string_view{};
         }
-        while (const auto record = take_record(rest_)) {
+        while (const auto record = next_record(rest_)) {
             writer_->write(as_recorded(*record, *part.names), into);
             if (++records == records_at_once || into.size() - begin >= bytes_at_once) return true;
         }
@@ -110,7 +110,7 @@ FrameMemory::Figures FrameMemory::figures() {
     return figures;
 }
 
-FaultEar::FaultEar(Gateway& gateway, FrameWatch& watch, std::function<void()> call)
+FaultTrigger::FaultTrigger(Gateway& gateway, FrameWatch& watch, std::function<void()> call)
     : gateway_{gateway}, watch_{watch}, call_{std::move(call)} {
     FrameFilterSettings filter;
     filter.ids.reset();
@@ -119,19 +119,19 @@ FaultEar::FaultEar(Gateway& gateway, FrameWatch& watch, std::function<void()> ca
     watch_.add(*this, filter);
 }
 
-FaultEar::~FaultEar() { watch_.remove(*this); }
+FaultTrigger::~FaultTrigger() { watch_.remove(*this); }
 
-void FaultEar::catch_up() {
+void FaultTrigger::catch_up() {
     watch_.catch_up(*this);
     more();
 }
 
-void FaultEar::more() {
+void FaultTrigger::more() {
     bool is_fault = false;
     while (auto item = queue.next(Clock::now())) {
         const auto* batch = std::get_if<WatchQueue::Batch>(&*item);
         std::string_view rest = batch ? std::string_view{**batch} : std::string_view{};
-        while (const auto record = take_record(rest)) {
+        while (const auto record = next_record(rest)) {
             const auto log = ano::as<"log">(record->frame);
             const bool is_red = log && log->get<"color">() == static_cast<std::uint8_t>(ano::device::LogColor::red);
             is_fault = is_fault || (is_red && is_at_home(*record));
@@ -140,7 +140,7 @@ void FaultEar::more() {
     if (is_fault) call_();
 }
 
-bool FaultEar::is_at_home(const FrameRecord& record) const {
+bool FaultTrigger::is_at_home(const FrameRecord& record) const {
     const auto channel = static_cast<ChannelId>(record.channel);
     if (record.channel == FrameRecord::no_channel || !gateway_.forwarder().channels().contains(channel)) return false;
     const std::uint8_t source = record.frame.source();

@@ -86,12 +86,12 @@ private:
 
 /// Calls `call` when a device logs a fault: a received frame 0xA0 with the colour red. Only devices whose address is local count:
 /// those on a serial port, CAN or another link that is not a network, and those whose address is pinned to the link.
-class FaultEar final : private Watcher {
+class FaultTrigger final : private Watcher {
 public:
-    FaultEar(Gateway& gateway, FrameWatch& watch, std::function<void()> call);
-    ~FaultEar();
-    FaultEar(const FaultEar&) = delete;
-    FaultEar& operator=(const FaultEar&) = delete;
+    FaultTrigger(Gateway& gateway, FrameWatch& watch, std::function<void()> call);
+    ~FaultTrigger();
+    FaultTrigger(const FaultTrigger&) = delete;
+    FaultTrigger& operator=(const FaultTrigger&) = delete;
 
     /// Processes the frames that passed until now at once.
     void catch_up();

@@ -17,7 +17,7 @@ namespace anogate {
 namespace {
 
 constexpr std::chrono::milliseconds recorder_patience{500};
-constexpr ano::Duration behind_told = std::chrono::seconds{1};    // age of unsynced bytes
+constexpr ano::Duration reported_lag = std::chrono::seconds{1};    // age of unsynced bytes
 constexpr ano::Duration beat_time = std::chrono::milliseconds{150};
 constexpr ano::Duration beat_slack = std::chrono::milliseconds{50};
 
@@ -42,22 +42,22 @@ public:
     const RecorderSettings& settings() const noexcept { return settings_; }
 
 private:
-    void more() override { give(); }
-    void give();
-    bool give_next();
+    void more() override { push(); }
+    void push();
+    bool push_next();
     void look();
     void beat();
     ano::Duration behind(TimePoint now);
     std::uint64_t not_written() const noexcept { return lost_ + queue.lost() + thread_->progress().not_written; }
     bool is_silent() const noexcept { return disk_ == DiskPace::State::silent; }
-    void tell();
+    void notify();
 
     Gateway& gateway_;
     FrameWatch& watch_;
     RecorderSettings settings_;
     std::function<void()> on_change_;
     std::shared_ptr<RecorderThread> thread_;
-    Descriptor said_;
+    Descriptor notify_event_;
     Alarm beat_;
     RecorderThread::News news_;
     WatchQueue::Tables tables_;               // as passed on last; nullptr: not yet
@@ -68,9 +68,9 @@ private:
     bool watches_ = false;
     bool is_ended_ = false;
     DiskPace pace_;
-    DiskPace::State disk_ = DiskPace::State::well;                    // as reported last
-    TimePoint ends_at_{};                                             // the latest time at which it ends, once end() was called
-    std::shared_ptr<bool> is_told_ = std::make_shared<bool>(true);    // false: a call of on_change is pending
+    DiskPace::State disk_ = DiskPace::State::well;    // as reported last
+    TimePoint ends_at_{};                             // the latest time at which it ends, once end() was called
+    std::shared_ptr<bool> is_notified_ = std::make_shared<bool>(true);    // false: a call of on_change is pending
 };
 
 Recorder::Impl::Impl(Gateway& gateway, FrameWatch& watch, RecorderSettings settings, std::function<void()> on_change)
@@ -79,16 +79,16 @@ Recorder::Impl::Impl(Gateway& gateway, FrameWatch& watch, RecorderSettings setti
       settings_{std::move(settings)},
       on_change_{std::move(on_change)},
       thread_{std::make_shared<RecorderThread>(settings_)},
-      said_{gateway.io()},
+      notify_event_{gateway.io()},
       beat_{gateway.alarms(), [this] { beat(); }, beat_slack} {
     news_.error = RecorderThread::start(thread_);
     if (!news_.error.empty()) {
         is_ended_ = true;
-        tell();
+        notify();
         return;
     }
-    said_.open(thread_->said());
-    said_.read_with([this] { look(); });
+    notify_event_.open(thread_->notify_event());
+    notify_event_.read_with([this] { look(); });
     watches_ = true;
     watch_.add(*this, settings_.filter);
 }
@@ -105,12 +105,12 @@ Recorder::Impl::~Impl() {
 }
 
 // Moves items while there is room. The rest waits in the queue of the watcher, which counts its losses.
-void Recorder::Impl::give() {
-    while (thread_->has_room() && give_next()) {}
+void Recorder::Impl::push() {
+    while (thread_->has_room() && push_next()) {}
     if (!beat_.is_set()) beat_.set(Clock::now() + beat_time);
 }
 
-bool Recorder::Impl::give_next() {
+bool Recorder::Impl::push_next() {
     auto next = queue.next(Clock::now());
     if (!next) return false;
     RecorderItem item;
@@ -125,7 +125,7 @@ bool Recorder::Impl::give_next() {
     }
     const std::uint64_t frames = watches_ ? 0 : item.frames();    // counted as lost if the queue of the thread is full
     const std::size_t bytes = item.bytes();
-    if (thread_->give(std::move(item))) given_ += bytes;
+    if (thread_->push(std::move(item))) given_ += bytes;
     else lost_ += frames;
     return true;
 }
@@ -133,14 +133,14 @@ bool Recorder::Impl::give_next() {
 void Recorder::Impl::catch_up() {
     if (!watches_) return;
     watch_.catch_up(*this);
-    give();
+    push();
 }
 
 void Recorder::Impl::end() {
     if (!watches_) return;
     watch_.remove(*this);
     watches_ = false;
-    while (give_next()) {}    // 1 MiB at most
+    while (push_next()) {}    // 1 MiB at most
     thread_->end();
     ends_at_ = Clock::now() + recorder_patience;
     beat_.set(Clock::now() + beat_time);
@@ -154,7 +154,7 @@ void Recorder::Impl::refuse() {
 // Reads the news of the thread.
 void Recorder::Impl::look() {
     eventfd_t count = 0;
-    ::eventfd_read(said_.fd(), &count);
+    ::eventfd_read(notify_event_.fd(), &count);
     bool is_new = false;
     const bool has_ended = thread_->wait_for_end(std::chrono::milliseconds::zero());    // no news follows the end
     while (auto news = thread_->next_news()) {
@@ -164,12 +164,12 @@ void Recorder::Impl::look() {
     if (has_ended) {
         is_ended_ = is_new = true;
         disk_ = DiskPace::State::well;
-        said_.close();
+        notify_event_.close();
         beat_.cancel();
     } else if (watches_) {
-        give();
+        push();
     }
-    if (is_new) tell();
+    if (is_new) notify();
 }
 
 // The result is between half and all of the age of the oldest unsynced byte. Starts from zero after a silence or a fault, because
@@ -186,22 +186,22 @@ ano::Duration Recorder::Impl::behind(TimePoint now) {
 void Recorder::Impl::beat() {
     const TimePoint now = Clock::now();
     const ano::Duration silence = thread_->silence(now);
-    const bool loses = queue.lost() > 0, is_behind = behind(now) >= behind_told || loses;
+    const bool loses = queue.lost() > 0, is_behind = behind(now) >= reported_lag || loses;
     const auto was = std::exchange(disk_, pace_.look(now, {silence, is_behind, loses, !news_.error.empty()}));
     if (was == DiskPace::State::well && disk_ == DiskPace::State::well) lost_before_ = not_written();
-    if (was != disk_ || loses) tell();
+    if (was != disk_ || loses) notify();
     const bool is_slow = disk_ == DiskPace::State::slow;
     if (thread_->progress().in_flight > 0 || silence > ano::Duration::zero() || is_slow || !watches_) beat_.set(now + beat_time);
     else beat_.cancel();
 }
 
 // Calls on_change from the loop, since it may destroy this object.
-void Recorder::Impl::tell() {
-    if (!std::exchange(*is_told_, false)) return;
-    asio::post(gateway_.io(), [this, still_there = std::weak_ptr<bool>{is_told_}] {
-        const auto is_told = still_there.lock();
-        if (!is_told) return;
-        *is_told = true;
+void Recorder::Impl::notify() {
+    if (!std::exchange(*is_notified_, false)) return;
+    asio::post(gateway_.io(), [this, still_there = std::weak_ptr<bool>{is_notified_}] {
+        const auto is_notified = still_there.lock();
+        if (!is_notified) return;
+        *is_notified = true;
         const auto call = on_change_;
         call();
     });

@@ -42,9 +42,9 @@ void stand_behind_the_loop() noexcept {
 
 std::string RecorderThread::start(const std::shared_ptr<RecorderThread>& self) {
     self->wake_ = recorder_event();
-    self->said_ = recorder_event();
+    self->notify_event_ = recorder_event();
     self->ended_ = recorder_event();
-    if (!self->wake_ || !self->said_ || !self->ended_) return error_text("no file descriptor for the recorder", errno);
+    if (!self->wake_ || !self->notify_event_ || !self->ended_) return error_text("no file descriptor for the recorder", errno);
     try {
         begin_thread([self, disk = std::make_unique<DiskWriter>(self->settings_, self->progress_)] {
             stand_behind_the_loop();
@@ -60,11 +60,11 @@ std::string RecorderThread::start(const std::shared_ptr<RecorderThread>& self) {
 
 bool RecorderThread::has_room() noexcept {
     if (progress_.in_flight < max_in_flight && items_.has_room()) return true;
-    wants_room_ = true;
-    return progress_.in_flight < max_in_flight && items_.has_room();    // room may have appeared before wants_room_ was set
+    awaits_room_ = true;
+    return progress_.in_flight < max_in_flight && items_.has_room();    // room may have appeared before awaits_room_ was set
 }
 
-bool RecorderThread::give(RecorderItem item) {
+bool RecorderThread::push(RecorderItem item) {
     const std::size_t bytes = item.bytes();
     if (!items_.has_room()) return false;
     progress_.in_flight += bytes;
@@ -94,7 +94,7 @@ ano::Duration RecorderThread::silence(ano::TimePoint now) const noexcept {
     return since == 0 ? ano::Duration::zero() : now - ano::TimePoint{ano::Duration{since}};
 }
 
-UniqueFd RecorderThread::said() const noexcept { return UniqueFd{::fcntl(said_.get(), F_DUPFD_CLOEXEC, 0)}; }
+UniqueFd RecorderThread::notify_event() const noexcept { return UniqueFd{::fcntl(notify_event_.get(), F_DUPFD_CLOEXEC, 0)}; }
 
 void RecorderThread::wake() const noexcept { ::eventfd_write(wake_.get(), 1); }
 
@@ -110,29 +110,29 @@ void RecorderThread::run(DiskWriter& disk) {
         if (is_over_)
             while (const auto item = items_.pop()) progress_.not_written += item->frames();
         progress_.is_idle();
-        tell(disk);
+        notify(disk);
         if (!is_over_) sleep(disk);
     }
     ::eventfd_write(ended_.get(), 1);
-    ::eventfd_write(said_.get(), 1);
+    ::eventfd_write(notify_event_.get(), 1);
 }
 
 void RecorderThread::work(DiskWriter& disk) {
     if (is_over_ && begins_nothing_ && disk.file().empty()) return;
     if (is_over_) disk.hurry();
-    take_all(disk);
+    drain(disk);
     if (is_over_) disk.finish(ano::Clock::now());
     else disk.turn(ano::Clock::now());
 }
 
 // Calls turn() once at first, and then whenever DiskWriter::has_much().
-void RecorderThread::take_all(DiskWriter& disk) {
+void RecorderThread::drain(DiskWriter& disk) {
     disk.turn(ano::Clock::now());
-    while (disk.takes_more() && !is_abandoned_) {
+    while (disk.accepts_more() && !is_abandoned_) {
         auto item = items_.pop();
         if (!item) return;
         queued_ -= item->bytes();
-        disk.take(std::move(*item));
+        disk.add(std::move(*item));
         if (disk.has_much()) disk.turn(ano::Clock::now());
     }
 }
@@ -150,20 +150,20 @@ void RecorderThread::sleep(const DiskWriter& disk) {
     ::eventfd_read(wake_.get(), &count);
 }
 
-void RecorderThread::tell(const DiskWriter& disk) {
-    bool has_said = wants_room_ && progress_.in_flight < max_in_flight / 2 && items_.has_room();
-    if (has_said) wants_room_ = false;
-    if (told_.file != disk.file() || told_.error != disk.error() || told_.files != progress_.files) {
+void RecorderThread::notify(const DiskWriter& disk) {
+    bool must_notify = awaits_room_ && progress_.in_flight < max_in_flight / 2 && items_.has_room();
+    if (must_notify) awaits_room_ = false;
+    if (reported_.file != disk.file() || reported_.error != disk.error() || reported_.files != progress_.files) {
         try {
             News news{disk.file(), disk.error(), progress_.files};
             if (news_.push(news)) {
-                told_ = std::move(news);
-                has_said = true;
+                reported_ = std::move(news);
+                must_notify = true;
             }
         } catch (const std::bad_alloc&) {    // retried at the next call
         }
     }
-    if (has_said) ::eventfd_write(said_.get(), 1);
+    if (must_notify) ::eventfd_write(notify_event_.get(), 1);
 }
 
 }    // namespace anogate

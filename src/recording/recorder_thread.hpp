@@ -39,11 +39,11 @@ public:
     /// A duplicated eventfd for the loop: readable when there is news, when there is room again after has_room() was false, and
     /// at the
     /// end.
-    UniqueFd said() const noexcept;
+    UniqueFd notify_event() const noexcept;
     /// To be called before give().
     bool has_room() noexcept;
     /// False: the queue has no place for another item, even for a small one.
-    bool give(RecorderItem item);
+    bool push(RecorderItem item);
     std::optional<News> next_news() { return news_.pop(); }
     /// No calls of give() follow.
     void end();
@@ -60,9 +60,9 @@ public:
 private:
     void run(DiskWriter& disk);
     void work(DiskWriter& disk);
-    void take_all(DiskWriter& disk);
+    void drain(DiskWriter& disk);
     void sleep(const DiskWriter& disk);
-    void tell(const DiskWriter& disk);
+    void notify(const DiskWriter& disk);
     void wake() const noexcept;
 
     const RecorderSettings settings_;
@@ -73,9 +73,9 @@ private:
     std::atomic<bool> is_ending_{false}, is_abandoned_{false}, begins_nothing_{false};
     bool is_over_ = false;                    // used by the thread only: no more writes follow
     std::atomic<bool> sleeps_deep_{false};    // the thread waits long, and must be woken for the first item
-    std::atomic<bool> wants_room_{false};
-    UniqueFd wake_, said_, ended_;    // eventfds
-    News told_;                       // used by the thread only
+    std::atomic<bool> awaits_room_{false};
+    UniqueFd wake_, notify_event_, ended_;    // eventfds
+    News reported_;                           // used by the thread only
 };
 
 }    // namespace anogate

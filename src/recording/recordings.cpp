@@ -77,7 +77,7 @@ Recordings::Recordings(Gateway& gateway, std::string usual_folder)
 Recordings::~Recordings() {
     gateway_.set_recording(nullptr);
     is_alive_.reset();
-    ear_.reset();
+    fault_trigger_.reset();
     memory_.reset();
     running_.clear();
 }
@@ -92,7 +92,7 @@ void Recordings::start() {
 // A running recording is ended only if its settings have changed.
 void Recordings::configure() {
     if (!is_started_ || is_stopped_) return;
-    if (ear_) ear_->catch_up();    // earlier faults are saved with the earlier settings
+    if (fault_trigger_) fault_trigger_->catch_up();    // earlier faults are saved with the earlier settings
     const auto& record = gateway_.settings().record;
     const RecordSettings before = std::exchange(settings_, record.value_or(RecordSettings{}));
     const bool was_configured = std::exchange(is_configured_, record.has_value());
@@ -123,13 +123,13 @@ void Recordings::configure() {
 
 void Recordings::remember() {
     if (!settings_.keep_last) {
-        ear_.reset();
+        fault_trigger_.reset();
         memory_.reset();
         return;
     }
     if (memory_) return memory_->change(frames_of(settings_), *settings_.keep_last);
     memory_ = std::make_unique<FrameMemory>(gateway_, watch_, frames_of(settings_), *settings_.keep_last);
-    ear_ = std::make_unique<FaultEar>(gateway_, watch_, [this] { save_for("fault"); });
+    fault_trigger_ = std::make_unique<FaultTrigger>(gateway_, watch_, [this] { save_for("fault"); });
 }
 
 void Recordings::catch_up() {
@@ -140,8 +140,8 @@ void Recordings::catch_up() {
 
 void Recordings::stop(std::function<void()> ended) {
     if (is_stopped_) return;
-    if (ear_) ear_->catch_up();
-    ear_.reset();
+    if (fault_trigger_) fault_trigger_->catch_up();
+    fault_trigger_.reset();
     memory_.reset();
     is_stopped_ = true;
     ended_ = std::move(ended);
@@ -170,7 +170,7 @@ void Recordings::watch_clock() {
     if (is_stopped_) return check_end();
     for (const auto& running : running_)
         if (!running->begun.empty() && Clock::now() - running->began_at >= patience_at_the_begin)
-            for (const Say& say : std::exchange(running->begun, {})) say(json_answer(json_of(*running)));
+            for (const Respond& respond : std::exchange(running->begun, {})) respond(json_answer(json_of(*running)));
     for (const auto& running : running_)
         if (running->asked.time && !running->is_ending && Clock::now() - running->began_at >= *running->asked.time) {
             running->is_ending = true;
@@ -239,32 +239,32 @@ std::size_t Recordings::count_of_asked() const {
 void Recordings::changed(Running& running) {
     if (!running.recorder) return;    // it is being constructed
     const RecorderReport report = running.recorder->report();
-    tell_news(running, report);
+    log_changes(running, report);
     const bool has_begun = report.files > 0 && report.error.empty();
     if (!running.begun.empty() && (has_begun || !report.error.empty() || report.is_ended)) {
-        for (const Say& say : std::exchange(running.begun, {}))
-            say(has_begun ? json_answer(json_of(running)) : http::error(507, "recording did not start: " + report.error));
+        for (const Respond& respond : std::exchange(running.begun, {}))
+            respond(has_begun ? json_answer(json_of(running)) : http::error(507, "recording did not start: " + report.error));
         if (!has_begun && !std::exchange(running.is_ending, true)) running.recorder->refuse();
     }
     if (report.is_ended) reap_soon();
 }
 
-void Recordings::tell_news(Running& running, const RecorderReport& report) {
-    if (report.files != running.told_files) {
-        if (running.told_files > 0) running.file_began_at = Clock::now();
-        running.told_files = report.files;
+void Recordings::log_changes(Running& running, const RecorderReport& report) {
+    if (report.files != running.logged_files) {
+        if (running.logged_files > 0) running.file_began_at = Clock::now();
+        running.logged_files = report.files;
         log_info("recording into {}", report.file);
         look_soon();
     }
     const std::string error = without_numbers(report.error);
-    if (error == running.told_error) return;
+    if (error == running.logged_error) return;
     if (report.error.empty()) log_info("recording {}: resumed; {} frames are missing", running.asked.name, report.not_written);
     else
         log_warning("recording {}: {}; frames are still forwarded, {}", running.asked.name, report.error,
                     !report.is_slow ? "but are not recorded"
                     : report.loses  ? "but not all are recorded"
                                     : "and none is lost yet");
-    running.told_error = error;
+    running.logged_error = error;
     look_soon();
 }
 
@@ -286,7 +286,7 @@ void Recordings::reap() {
         past_.not_written += report.not_written;
         log_info("recording {} ended: {} frames, {} bytes in {}, {} frames not written", running->asked.name, report.frames,
                  report.bytes, report.files == 1 ? "one file" : std::to_string(report.files) + " files", report.not_written);
-        for (const Say& say : std::exchange(running->ended, {})) say(json_answer(json_of(*running)));
+        for (const Respond& respond : std::exchange(running->ended, {})) respond(json_answer(json_of(*running)));
     }
     std::erase_if(running_, has_ended);
     if (running_.size() == before) return;

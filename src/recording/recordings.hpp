@@ -1,6 +1,6 @@
 // The recordings of a gateway: that of its configuration, those that clients start, and the latest frames (keep_last).
 #pragma once
-#include <http/disk_works.hpp>
+#include <http/task_pool.hpp>
 #include <recording/just_saved.hpp>
 #include <recording/kept_frames.hpp>
 #include <recording/recorder.hpp>
@@ -87,16 +87,17 @@ public:
     RecordingFigures figures() override;
 
 private:
-    using Say = std::function<void(http::Response)>;
+    using Respond = std::function<void(http::Response)>;
     Running& launch(const AskedRecording& asked, bool is_configured);
     RecorderSettings settings_of(const AskedRecording& asked) const;
     AskedRecording configured() const;
     Running* configured_one();
     Running* find(const std::string& name);
     std::size_t count_of_asked() const;
-    void named(const AskedRecording& asked, const std::string& fault, const std::optional<Refusal>& refusal, const Say& say);
+    void named(const AskedRecording& asked, const std::string& fault, const std::optional<Refusal>& refusal,
+               const Respond& respond);
     void changed(Running& running);
-    void tell_news(Running& running, const RecorderReport& report);
+    void log_changes(Running& running, const RecorderReport& report);
     void reap_soon();
     void reap();
     void check_end();
@@ -114,13 +115,13 @@ private:
         RecordingFormat format;
         RecordingOptions options;
         std::uint64_t free = 0;
-        Say say{};    // empty: automatic, no client waits
+        Respond respond{};    // empty: automatic, no client waits
     };
-    Save save_of(std::string name, const WantedForm& wanted, Say say);
+    Save save_of(std::string name, const WantedForm& wanted, Respond respond);
     void save_for(std::string_view why);
     void save_due();
     void save(Save what);
-    void saved(const std::variant<SavedFrames, Refusal>& result, std::uint64_t frames, const Say& say);
+    void saved(const std::variant<SavedFrames, Refusal>& result, std::uint64_t frames, const Respond& respond);
     void saving_ended();
     nlohmann::ordered_json json_of(const Running& running) const;
 
@@ -129,12 +130,12 @@ private:
     RecordSettings settings_;       // the present settings; the defaults when the section `record` is missing
     bool is_configured_ = false;    // the section `record` exists
     FrameWatch watch_;
-    DiskWorks disk_;
+    TaskPool disk_;
     std::list<std::unique_ptr<Running>> running_;
     std::set<std::string> starting_;         // names that are being checked on the disk
     RecordingFigures past_;                  // sums over the ended recordings
     std::unique_ptr<FrameMemory> memory_;    // nullptr: keep_last is off
-    std::unique_ptr<FaultEar> ear_;
+    std::unique_ptr<FaultTrigger> fault_trigger_;
     std::optional<TimePoint> next_save_;    // before that, nothing is saved automatically
     std::string last_saved_, save_fault_;
     std::shared_ptr<JustSaved> just_saved_ = std::make_shared<JustSaved>();
@@ -142,8 +143,8 @@ private:
         std::chrono::system_clock::now().time_since_epoch());    // the start of this program, by both clocks
     const TimePoint began_at_ = Clock::now();
     bool has_looked_ = false;
-    std::string told_to_stay_;    // file that is kept although it exceeds `keep`, as logged last
-    std::optional<Save> due_;     // an automatic save that waits until another is done
+    std::string logged_exception_;    // file that is kept although it exceeds `keep`, as logged last
+    std::optional<Save> due_;         // an automatic save that waits until another is done
     std::shared_ptr<bool> reading_ = std::make_shared<bool>(true);    // also held by every response of last()
     std::optional<std::uint64_t> free_;
     std::shared_ptr<RecordingAges> ages_ = std::make_shared<RecordingAges>();    // of folder_; used by one look at a time

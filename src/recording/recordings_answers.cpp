@@ -155,13 +155,13 @@ http::Response Recordings::begin(AskedRecording asked) {
     if (starting_.contains(asked.name) || find(asked.name)) return http::error(409, asked.name + " is already being recorded");
     if (count_of_asked() >= max_asked)
         return http::error(409, std::to_string(max_asked) + " requested recordings are already in progress: stop one of them");
-    const auto held = std::make_shared<DiskWorks::Ticket>();
-    http::Response response = http::later([this, asked, weak = std::weak_ptr{held}](const Say& say) {
+    const auto held = std::make_shared<TaskPool::Ticket>();
+    http::Response response = http::later([this, asked, weak = std::weak_ptr{held}](const Respond& respond) {
         const auto refusal = std::make_shared<std::optional<Refusal>>();
         starting_.insert(asked.name);
-        DiskWorks::Ticket ticket = disk_.run(
+        TaskPool::Ticket ticket = disk_.run(
             [refusal, folder = folder_, name = asked.name] { *refusal = check_new_name(folder, name); },
-            [this, refusal, asked, say](const std::string& fault) { named(asked, fault, *refusal, say); });
+            [this, refusal, asked, respond](const std::string& fault) { named(asked, fault, *refusal, respond); });
         // If the client has disconnected before the name is checked, no recording is begun.
         if (const auto still = weak.lock())
             *still = std::shared_ptr<void>(ticket.get(),
@@ -175,13 +175,13 @@ http::Response Recordings::begin(AskedRecording asked) {
 }
 
 void Recordings::named(const AskedRecording& asked, const std::string& fault, const std::optional<Refusal>& refusal,
-                       const Say& say) {
+                       const Respond& respond) {
     starting_.erase(asked.name);
-    if (!fault.empty()) return say(http::error(503, fault));
-    if (refusal) return say(refused(*refusal));
-    if (is_stopped_) return say(http::error(503, "the gateway is stopping"));
+    if (!fault.empty()) return respond(http::error(503, fault));
+    if (refusal) return respond(refused(*refusal));
+    if (is_stopped_) return respond(http::error(503, "the gateway is stopping"));
     Running& running = launch(asked, false);
-    running.begun.push_back(say);
+    running.begun.push_back(respond);
     changed(running);
 }
 
@@ -193,8 +193,8 @@ http::Response Recordings::end(const std::string& name) {
         return http::error(
             404, "no recording with that name is in progress" + ano::did_you_mean(name, names) + "; see anoctl recordings");
     }
-    http::Response response = http::later([this, found](const Say& say) {
-        found->ended.push_back(say);
+    http::Response response = http::later([this, found](const Respond& respond) {
+        found->ended.push_back(respond);
         if (!std::exchange(found->is_ending, true)) found->recorder->end();
         changed(*found);
     });
@@ -228,19 +228,19 @@ http::Response Recordings::save_last(std::string name, const WantedForm& wanted)
     const bool is_made_up = name.empty();
     if (is_made_up) name = name_by_time(since_1970()) + "-last";
     if (!is_recording_name(name)) return http::error(422, recording_name_rule(name));
-    http::Response response = http::later([this, name, is_made_up, wanted](const Say& say) {
-        if (is_saving_) return say(http::try_again("the previous save is not completely written yet"));
-        if (!memory_) return say(http::error(409, nothing_kept));
+    http::Response response = http::later([this, name, is_made_up, wanted](const Respond& respond) {
+        if (is_saving_) return respond(http::try_again("the previous save is not completely written yet"));
+        if (!memory_) return respond(http::error(409, nothing_kept));
         is_saving_ = true;
-        if (is_made_up) return save(save_of(name, wanted, say));
-        const auto asked = std::make_shared<Save>(save_of(name, wanted, say));
+        if (is_made_up) return save(save_of(name, wanted, respond));
+        const auto asked = std::make_shared<Save>(save_of(name, wanted, respond));
         const auto refusal = std::make_shared<std::optional<Refusal>>();
-        disk_.run_for_nobody([refusal, asked] { *refusal = check_new_name(asked->folder, asked->name); },
-                             [this, refusal, asked](const std::string& fault) {
-                                 if (fault.empty() && !*refusal) return save(std::move(*asked));
-                                 asked->say(fault.empty() ? refused(**refusal) : http::error(503, fault));
-                                 saving_ended();
-                             });
+        disk_.run_detached([refusal, asked] { *refusal = check_new_name(asked->folder, asked->name); },
+                           [this, refusal, asked](const std::string& fault) {
+                               if (fault.empty() && !*refusal) return save(std::move(*asked));
+                               asked->respond(fault.empty() ? refused(**refusal) : http::error(503, fault));
+                               saving_ended();
+                           });
     });
     response.patient = true;
     return response;
@@ -262,8 +262,9 @@ http::Response Recordings::last(const WantedForm& wanted) {
 
 void Recordings::link_lost(const LinkState&) { save_for("link-lost"); }
 
-Recordings::Save Recordings::save_of(std::string name, const WantedForm& wanted, Say say) {
-    return {std::move(name), folder_, memory_->frames(), format_for(wanted), options_for(wanted), settings_.free, std::move(say)};
+Recordings::Save Recordings::save_of(std::string name, const WantedForm& wanted, Respond respond) {
+    return {std::move(name),     folder_,        memory_->frames(), format_for(wanted),
+            options_for(wanted), settings_.free, std::move(respond)};
 }
 
 // If the event repeats, only the first one is saved.
@@ -288,25 +289,25 @@ void Recordings::save_due() {
 // One save at a time (is_saving_): on a disk that hangs each save keeps its frames in memory.
 void Recordings::save(Save what) {
     const std::uint64_t count = what.frames.frames();
-    const Say say = std::move(what.say);
+    const Respond respond = std::move(what.respond);
     const auto work = std::make_shared<Save>(std::move(what));
     const auto result = std::make_shared<std::variant<SavedFrames, Refusal>>();
-    disk_.run_for_nobody(
+    disk_.run_detached(
         [result, work, just_saved = just_saved_] {
             *result = save_frames(work->folder, work->name, work->format, work->free, std::move(work->frames), work->options,
                                   [&](const std::string& file) { just_saved->add(file, Clock::now() + saved_stays); });
         },
-        [this, result, count, say](const std::string& fault) {
+        [this, result, count, respond](const std::string& fault) {
             if (!fault.empty()) *result = Refusal{503, fault};
-            saved(*result, count, say);
+            saved(*result, count, respond);
         });
 }
 
-void Recordings::saved(const std::variant<SavedFrames, Refusal>& result, std::uint64_t frames, const Say& say) {
+void Recordings::saved(const std::variant<SavedFrames, Refusal>& result, std::uint64_t frames, const Respond& respond) {
     if (const auto* refusal = std::get_if<Refusal>(&result)) {
         save_fault_ = refusal->words;
         log_warning("recording: the last frames are not saved: {}", refusal->words);
-        if (say) say(refused(*refusal));
+        if (respond) respond(refused(*refusal));
         else next_save_ = Clock::now() + after_a_failed_save;
         return saving_ended();
     }
@@ -316,7 +317,7 @@ void Recordings::saved(const std::variant<SavedFrames, Refusal>& result, std::ui
     last_saved_ = file.name;
     log_info("recording: the last {} frames are saved as {}", frames, file.name);
     look_soon();
-    if (say) say(json_answer({{"name", file.name}, {"bytes", file.bytes}, {"frames", frames}}));
+    if (respond) respond(json_answer({{"name", file.name}, {"bytes", file.bytes}, {"frames", frames}}));
     saving_ended();
 }
 
@@ -340,7 +341,7 @@ void Recordings::look() {
     };
     const auto seen = std::make_shared<Seen>();
     static constexpr auto stays = std::chrono::duration_cast<std::chrono::seconds>(saved_stays);
-    disk_.run_for_nobody(
+    disk_.run_detached(
         [seen, limits = limits_of(settings_), folder = folder_, ages = ages_, just_saved = just_saved_, is_first = !has_looked_,
          began = began_, began_at = began_at_] {
             const bool has_limits = limits.bytes != 0 || limits.free != 0 || limits.age > std::chrono::seconds::zero();
@@ -366,16 +367,16 @@ void Recordings::looked(std::optional<std::uint64_t> free, const DeletedRecordin
     is_looking_ = false;
     if (fault.empty()) free_ = free;
     for (const std::string& name : old.gone) log_info("recording: deleted {} as configured by \"keep\"", name);
-    if (!old.stays.empty() && old.stays != told_to_stay_)
+    if (!old.stays.empty() && old.stays != logged_exception_)
         log_warning("recording: {} is kept although it exceeds \"keep\": keep.size is too small", old.stays);
-    told_to_stay_ = old.stays;
+    logged_exception_ = old.stays;
     if (std::exchange(look_again_, false)) look_soon();
 }
 
 void Recordings::repair() {
     if (folder_.empty()) return;
     const auto repaired = std::make_shared<std::vector<RepairedFile>>();
-    disk_.run_for_nobody(
+    disk_.run_detached(
         [repaired, folder = folder_] {
             stand_behind_the_loop();
             *repaired = repair_recordings(folder);

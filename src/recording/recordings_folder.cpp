@@ -261,7 +261,7 @@ std::optional<RepairedFile> repair(int folder, const std::string& name) {
     for (std::string piece = read_at(file->fd.get(), 0, bytes_at_a_time); !piece.empty();
          piece = read_at(file->fd.get(), at, bytes_at_a_time)) {
         if (is_deleted(file->fd.get())) return std::nullopt;    // it was deleted: closing it frees its space
-        repair.give(piece);
+        repair.feed(piece);
         if (const auto last = piece.find_last_not_of('\0'); last != piece.npos) written = at + last + 1;
         at += piece.size();
     }

@@ -12,9 +12,9 @@ struct Recordings::Running {
     std::uint64_t began_ns = 0;    // since 1970
     TimePoint began_at{};
     std::unique_ptr<Recorder> recorder{};
-    std::uint64_t told_files = 0;
-    TimePoint file_began_at{};    // the current file
-    std::string told_error{};     // the last error that was logged, without its numbers
+    std::uint64_t logged_files = 0;
+    TimePoint file_began_at{};     // the current file
+    std::string logged_error{};    // the last error that was logged, without its numbers
     bool is_ending = false;
     std::vector<std::function<void(http::Response)>> begun{}, ended{};    // called at its begin, at its end
 };

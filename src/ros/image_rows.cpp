@@ -19,7 +19,7 @@ std::size_t ImageRows::Head::row_size() const noexcept {
     return static_cast<std::size_t>(color == grey ? width : (width + 7) / 8);
 }
 
-const WholeImage* ImageRows::hear(std::uint64_t sender, const ano::Reading& reading, std::uint64_t time_ns) {
+const WholeImage* ImageRows::receive(std::uint64_t sender, const ano::Reading& reading, std::uint64_t time_ns) {
     const ano::Field* const field = reading.field("pixels");
     if (field == nullptr) return nullptr;
     const Head head{whole_number(reading, "flag"), whole_number(reading, "color"), whole_number(reading, "width"),

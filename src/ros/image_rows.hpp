@@ -27,7 +27,7 @@ public:
     static constexpr std::uint64_t pause_ns = 1'000'000'000;
 
     /// To be called for each frame; `sender` is any number that identifies the device. nullptr: the frame completed no image.
-    const WholeImage* hear(std::uint64_t sender, const ano::Reading& reading, std::uint64_t time_ns);
+    const WholeImage* receive(std::uint64_t sender, const ano::Reading& reading, std::uint64_t time_ns);
 
 private:
     struct Head {

@@ -79,8 +79,8 @@ private:
                 out_.number(ano::load<double>(bytes.data() + i * sizeof(double)));
         } else {
             if (field.shape == RosShape::sequence) {
-                const auto* const told = std::get_if<std::uint64_t>(&next());
-                count = std::min<std::size_t>(told != nullptr ? *told : 0, values_.size());
+                const auto* const declared = std::get_if<std::uint64_t>(&next());
+                count = std::min<std::size_t>(declared != nullptr ? *declared : 0, values_.size());
             }
             for (std::size_t i = 0; i < count; ++i) write_one(field);
         }

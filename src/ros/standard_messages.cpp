@@ -107,76 +107,76 @@ StandardMessages::StandardMessages(std::string_view frame, ImageRows* images, st
     }
 }
 
-std::span<const StandardTopic> StandardMessages::hear(const ano::Reading& reading, std::uint64_t time_ns) {
+std::span<const StandardTopic> StandardMessages::receive(const ano::Reading& reading, std::uint64_t time_ns) {
     reading_ = reading;
     now_ns_ = time_ns;
-    told_count_ = 0;
+    published_count_ = 0;
     switch (reading.message()->id) {
     case id_of<"inertial">:
         rates_ = {vector("gyr_", radian), now_ns_};
-        tell(StandardTopic::imu);
+        publish(StandardTopic::imu);
         break;
     case id_of<"compass">:
-        tell(StandardTopic::magnetic_field);
-        tell(StandardTopic::temperature);
+        publish(StandardTopic::magnetic_field);
+        publish(StandardTopic::temperature);
         break;
-    case id_of<"euler">: hear_euler(); break;
-    case id_of<"quaternion">: hear_quaternion(); break;
+    case id_of<"euler">: on_euler(); break;
+    case id_of<"quaternion">: on_quaternion(); break;
     case id_of<"velocity">:
         velocity_ = {vector("speed_", metre), now_ns_};
-        tell(StandardTopic::linear_velocity);
+        publish(StandardTopic::linear_velocity);
         break;
-    case id_of<"position">: hear_position(); break;
-    case id_of<"power">: tell(StandardTopic::battery); break;
-    case id_of<"gps">: hear_gps(); break;
+    case id_of<"position">: on_position(); break;
+    case id_of<"power">: publish(StandardTopic::battery); break;
+    case id_of<"gps">: on_gps(); break;
     case id_of<"general_position">:
-        if (std::isfinite(number("pos_x") + number("pos_y") + number("pos_z"))) tell(StandardTopic::external_point);
+        if (std::isfinite(number("pos_x") + number("pos_y") + number("pos_z"))) publish(StandardTopic::external_point);
         break;
     case id_of<"general_velocity">:
-        if (std::isfinite(number("speed_x") + number("speed_y") + number("speed_z"))) tell(StandardTopic::external_velocity);
+        if (std::isfinite(number("speed_x") + number("speed_y") + number("speed_z"))) publish(StandardTopic::external_velocity);
         break;
-    case id_of<"ranging">: hear_ranging(); break;
+    case id_of<"ranging">: on_ranging(); break;
     case id_of<"image">:
-        image_ = images_ != nullptr ? images_->hear(sender_, reading, time_ns) : nullptr;
-        if (image_ != nullptr) tell(StandardTopic::image_raw);
+        image_ = images_ != nullptr ? images_->receive(sender_, reading, time_ns) : nullptr;
+        if (image_ != nullptr) publish(StandardTopic::image_raw);
         break;
     default: break;
     }
-    return {told_.data(), told_count_};
+    return {published_.data(), published_count_};
 }
 
 // Ignored if the device sends quaternions too, which are more precise.
-void StandardMessages::hear_euler() {
+void StandardMessages::on_euler() {
     if (is_fresh(by_quaternion_)) return;
     by_euler_ = {ano::rotation_of_euler(number("rol"), number("pit"), number("yaw"), signs_), now_ns_};
-    tell(StandardTopic::orientation);
+    publish(StandardTopic::orientation);
 }
 
 // A quaternion whose length is far from 1 is ignored: devices without quaternions send zeros.
-void StandardMessages::hear_quaternion() {
+void StandardMessages::on_quaternion() {
     const auto q = ano::rotation_of_quaternion(number("v0"), number("v1"), number("v2"), number("v3"));
     if (!q) return;
     by_quaternion_ = {*q, now_ns_};
-    tell(StandardTopic::orientation);
+    publish(StandardTopic::orientation);
 }
 
-void StandardMessages::hear_position() {
+void StandardMessages::on_position() {
     if (reading_->field("pos_z") == nullptr) return;    // both messages need a height
-    tell(StandardTopic::point);
-    if ((is_fresh(by_quaternion_) || is_fresh(by_euler_)) && is_fresh(velocity_)) tell(StandardTopic::odometry);
+    publish(StandardTopic::point);
+    if ((is_fresh(by_quaternion_) || is_fresh(by_euler_)) && is_fresh(velocity_)) publish(StandardTopic::odometry);
 }
 
-void StandardMessages::hear_gps() {
-    tell(StandardTopic::fix);
-    if (is_fix(number("fix_sta"))) tell(StandardTopic::fix_velocity);
+void StandardMessages::on_gps() {
+    publish(StandardTopic::fix);
+    if (is_fix(number("fix_sta"))) publish(StandardTopic::fix_velocity);
 }
 
 // The layout with one distance at an angle is not converted: it has no fixed direction for a frame_id.
-void StandardMessages::hear_ranging() {
-    if (reading_->message()->ends_in_list()) tell(StandardTopic::scan);
+void StandardMessages::on_ranging() {
+    if (reading_->message()->ends_in_list()) publish(StandardTopic::scan);
     if (!reading_->message()->is_base()) return;
     const auto type = static_cast<std::size_t>(number("type"));
-    tell(static_cast<StandardTopic>(static_cast<std::size_t>(StandardTopic::range_down) + type % range_frames_.size()));
+    publish(static_cast<StandardTopic>(static_cast<std::size_t>(StandardTopic::range_down) + type % range_frames_.size()));
 }
 
 template <class T>

@@ -65,7 +65,7 @@ public:
 
     /// Returns the topics with a message from this frame of the device. Valid until the next call; append_values() may be called
     /// as long as the frame is valid.
-    std::span<const StandardTopic> hear(const ano::Reading& reading, std::uint64_t time_ns);
+    std::span<const StandardTopic> receive(const ano::Reading& reading, std::uint64_t time_ns);
     /// `topic`: one of those returned by hear(). Texts in `out` refer to this object.
     void append_values(StandardTopic topic, ValueList& out) const;
 
@@ -85,15 +85,15 @@ private:
     };
     template <class T>
     bool is_fresh(const Heard<T>& heard) const noexcept;
-    void tell(StandardTopic topic) noexcept { told_[told_count_++] = topic; }
+    void publish(StandardTopic topic) noexcept { published_[published_count_++] = topic; }
     double number(std::string_view field) const noexcept;
     Vector vector(std::string_view prefix, double factor) const noexcept;
 
-    void hear_euler();
-    void hear_quaternion();
-    void hear_position();
-    void hear_gps();
-    void hear_ranging();
+    void on_euler();
+    void on_quaternion();
+    void on_position();
+    void on_gps();
+    void on_ranging();
 
     void append_header(std::string_view frame, ValueList& out) const;
     void append_imu(ValueList& out) const;
@@ -117,8 +117,8 @@ private:
 
     std::optional<ano::Reading> reading_;    // the last frame
     std::uint64_t now_ns_ = 0;
-    std::array<StandardTopic, 2> told_{};
-    std::size_t told_count_ = 0;
+    std::array<StandardTopic, 2> published_{};
+    std::size_t published_count_ = 0;
 };
 
 }    // namespace anogate

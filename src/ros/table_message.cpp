@@ -49,7 +49,7 @@ std::vector<RosConstant> constants_of(const Field& f, const std::string& name) {
 
 void append_text(std::string_view text, ValueList& out) {
     if (ano::is_utf8(text)) return out.push(ano::Value{text});
-    out.push_copy(ano::shown_text(text, ano::Encoding::automatic));
+    out.push_copy(ano::display_text(text, ano::Encoding::automatic));
 }
 
 void append_absent(const RosField& as, ValueList& out) {

@@ -56,7 +56,7 @@ public:
 
     void heard(std::string_view message, Kind kind) override {
         if (!channel_ || !link_.reads_) return;
-        if (kind == Kind::text) return tell("text messages are not accepted; send frames as binary messages");
+        if (kind == Kind::text) return send_error("text messages are not accepted; send frames as binary messages");
         channel_->arrived_at = arrival_.unstamped(host().turn());
         const std::uint64_t skipped_before = channel_->parser.counters().skipped_bytes;
         const auto pass = [this](ano::FrameView frame) { host().receive(*channel_, frame); };
@@ -65,7 +65,8 @@ public:
         channel_->parser.finish();    // a message contains only complete frames
         while (const auto frame = channel_->parser.next()) pass(*frame);
         const std::uint64_t skipped = channel_->parser.counters().skipped_bytes - skipped_before;
-        if (skipped > 0) tell(std::to_string(skipped) + " bytes of a message were not part of a complete frame and were ignored");
+        if (skipped > 0)
+            send_error(std::to_string(skipped) + " bytes of a message were not part of a complete frame and were ignored");
         if (arrival_.is_behind()) look_for_more();
         host().flush();
     }
@@ -116,7 +117,7 @@ private:
 
     LinkHost& host() { return link_.context_.host; }
 
-    void tell(const std::string& what) {
+    void send_error(const std::string& what) {
         socket_->send(std::make_shared<const std::string>("{\"error\": \"" + what + "\"}"), Kind::text);
     }
 
@@ -166,7 +167,7 @@ void ControlLink::stop() {
         if (LinkSocket* const leaving = std::exchange(socket, nullptr)) leaving->detach();
 }
 
-void ControlLink::give_up_ports(std::uint8_t own_id) {
+void ControlLink::release_ports(std::uint8_t own_id) {
     for (LinkSocket*& socket : sockets_) {
         const std::uint8_t port_id = socket ? socket->port_id() : 0;
         if (port_id == 0) continue;

@@ -34,7 +34,7 @@ public:
     /// GET /link?name=N&id=P: opens a channel for the program.
     http::Response join(const http::Request& request, std::uint8_t own_id);
     /// Closes the connections of programs whose port id now belongs to another link or to the gateway itself.
-    void give_up_ports(std::uint8_t own_id);
+    void release_ports(std::uint8_t own_id);
     /// POST /send: forwards one frame that belongs to no connected program. Its source address is not learned.
     void send(ano::FrameView frame);
     /// Forwarder::flush_parsers() before `next`, the frame that will be passed to send().

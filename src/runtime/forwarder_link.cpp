@@ -7,17 +7,17 @@ ForwarderLink forwarder_link(const LinkSettings& s, std::uint8_t group, const st
     ForwarderLink link;
     const bool takes = !s.kind->replays;
     const bool is_for_programs = s.kind->listens || (s.kind->path != nullptr && s.kind->path(s).is_made);
-    link.route = {s.id,  takes && s.takes_floods(), takes && s.takes_broadcasts(), group,
-                  takes, s.profile == Profile::old, takes && !is_for_programs};
+    link.route = {s.id,  takes && s.accepts_floods(), takes && s.accepts_broadcasts(), group,
+                  takes, s.profile == Profile::old,   takes && !is_for_programs};
     // The rate determines when the rest of a frame is overdue.
     link.parser = {s.max_data, line_rate_of(s).bytes_per_second, quiet_of(*s.kind), s.frame_gap.value_or(Duration{})};
     const FlushSizes flush = flush_sizes_of(s);
     link.outbox = {s.queue, s.effective_max_data_out(), s.age, flush.first, flush.again};
     link.rules = s.rules;
-    link.takes_few_questions = s.profile == Profile::vendor;
-    link.sends_empty = !link.takes_few_questions;
+    link.limits_questions = s.profile == Profile::vendor;
+    link.sends_empty = !link.limits_questions;
     // Probes are never sent to devices, nor to links without broadcasts.
-    link.takes_probes = link.route.broadcast && !s.kind->devices_only;
+    link.allows_probes = link.route.broadcast && !s.kind->devices_only;
     for (const AliasSettings& alias : aliases)
         if (alias.link == s.name) link.aliases.push_back({alias.device, alias.as});
     link.present_as = s.present_as;

@@ -39,7 +39,7 @@ Gateway::Gateway(asio::io_context& io, Settings settings)
                      }},
       hello_due_{alarms_,
                  [this] {
-                     forwarder_.say_hellos(now());
+                     forwarder_.send_hellos(now());
                      flush();
                  },
                  hello_slack},
@@ -149,7 +149,7 @@ void Gateway::start(std::function<void(const std::string&)> on_required_missing)
     started_at_ = turn().now();
     for (LinkState& s : links_) {
         s.since = started_at_;
-        s.must_come = s.link->settings().required && s.link->settings().enabled;
+        s.is_required = s.link->settings().required && s.link->settings().enabled;
     }
     gpio_->start();
     restore_brought();
@@ -157,7 +157,7 @@ void Gateway::start(std::function<void(const std::string&)> on_required_missing)
     restore_addresses();
     stored_ = {};
     beat();    // opening the links may take long
-    if (std::any_of(links_.begin(), links_.end(), [](const LinkState& s) { return s.must_come; }))
+    if (std::any_of(links_.begin(), links_.end(), [](const LinkState& s) { return s.is_required; }))
         required_check_.set(started_at_ + required_within);
 }
 
@@ -169,7 +169,7 @@ void Gateway::start(LinkState& state) {
 
 void Gateway::go_on_from(StoredState stored) { stored_ = std::move(stored); }
 
-std::optional<StoredLink> Gateway::take_stored(const Link& link) {
+std::optional<StoredLink> Gateway::claim_stored(const Link& link) {
     for (StoredState::OfLink& stored : stored_.links)
         if (stored.name == link.name() && stored.link.wire) return std::move(stored.link);
     return std::nullopt;
@@ -202,7 +202,7 @@ void Gateway::restore_brought() {
 
 void Gateway::check_required() {
     for (const LinkState& s : links_)
-        if (s.must_come && !s.was_up && s.link->settings().enabled) return on_required_missing_(s.link->name());
+        if (s.is_required && !s.was_up && s.link->settings().enabled) return on_required_missing_(s.link->name());
 }
 
 void Gateway::stop(Duration patience, std::function<void()> on_stopped) {
@@ -259,10 +259,10 @@ const LoopWatch& Gateway::turn() {
 void Gateway::beat() {
     beat_.begin();
     turn();
-    beat_.end(streams_speak());
+    beat_.end(streams_are_active());
 }
 
-bool Gateway::streams_speak() const {
+bool Gateway::streams_are_active() const {
     for (const ChannelId id : forwarder_.channels())
         if (streams_.contains(channel(id).link) && now_ - channel(id).arrived_at < LoopBeat::calm_after) return true;
     return false;
@@ -280,7 +280,7 @@ Channel* Gateway::open_channel(Link& link, std::string peer) {
 void Gateway::close_channel(Channel& channel, std::string_view why) {
     const Link& link = *links_by_id_[index(channel.link)];
     if (state(link).up) peer_log_.went(link.name(), channel.peer, why, now_);
-    if (tells_loss_) tells_loss_(channel.id);
+    if (on_loss_) on_loss_(channel.id);
     forwarder_.close_channel(channel);
 }
 
@@ -288,22 +288,22 @@ void Gateway::receive(Channel& from, ano::FrameView frame) {
     beat_.heard(streams_.contains(from.link), std::min(from.arrived_at, now_));
     if (gpio_->watches(from.link)) gpio_->heard(from.link, now_);
     forwarder_.receive(from, frame, now_);
-    if (voice_) voice_->speak();
+    if (events_) events_->send_waiting();
 }
 
 // Repeats until no channel is left, because flushing a link may report a failure, which may queue frames.
 void Gateway::flush() {
-    if (voice_) voice_->speak();
+    if (events_) events_->send_waiting();
     while (Channel* const channel = forwarder_.next_to_flush()) {
         if (gpio_->watches(channel->link)) gpio_->sends(channel->link, now_);
         links_by_id_[index(channel->link)]->flush(*channel);
     }
-    while (const auto conflict = forwarder_.take_conflict()) {
+    while (const auto conflict = forwarder_.pop_conflict()) {
         const std::string what = conflict_text(*this, *conflict);
         log_warning("{}", what);
-        if (voice_) voice_->conflict_began(what);
+        if (events_) events_->conflict_began(what);
     }
-    while (const auto moved = forwarder_.take_move()) log_warning("{}", move_text(*this, *moved));
+    while (const auto moved = forwarder_.pop_move()) log_warning("{}", move_text(*this, *moved));
     await_forwarder();
 }
 
@@ -327,13 +327,13 @@ void Gateway::link_up(Link& link) {
     await_forwarder();
     log_info("{}: up", link.name());
     if (const LinkError trouble = link.trouble(); !trouble.text.empty()) log_warning("{}: {}", link.name(), trouble.text);
-    if (voice_) voice_->link_changed(s);
+    if (events_) events_->link_changed(s);
 }
 
 void Gateway::lose_channels_of(LinkId link) {
-    if (!tells_loss_) return;
+    if (!on_loss_) return;
     for (const ChannelId id : forwarder_.channels())
-        if (channel(id).link == link) tells_loss_(id);
+        if (channel(id).link == link) on_loss_(id);
 }
 
 void Gateway::link_down(Link& link, LinkError why) {
@@ -346,7 +346,7 @@ void Gateway::link_down(Link& link, LinkError why) {
     if (was_up) s.since = now_;
     s.up = false;
     s.error = std::move(why);
-    if (is_news && voice_) voice_->link_changed(s);
+    if (is_news && events_) events_->link_changed(s);
     if (was_up && recording_) recording_->link_lost(s);
     gpio_->link_state(link.id(), false);
 }

@@ -35,24 +35,24 @@ class ControlLink;
 struct LinkState {
     std::unique_ptr<Link> link;
     bool up = false;
-    bool was_up = false;       // at any time since the start
-    bool must_come = false;    // `required`, and configured at the start
-    TimePoint since{};         // the last change of `up`
-    LinkError error;           // the reason why it is not up
+    bool was_up = false;         // at any time since the start
+    bool is_required = false;    // `required`, and configured at the start
+    TimePoint since{};           // the last change of `up`
+    LinkError error;             // the reason why it is not up
 };
 
 /// The interface of the loop to the gateway as a device.
-class GatewayVoice {
+class GatewayEvents {
 public:
     /// Sends all waiting frames. Called after every received frame, and at the end of every batch.
-    virtual void speak() = 0;
+    virtual void send_waiting() = 0;
     virtual void link_changed(const LinkState& link) = 0;
     virtual void conflict_began(const std::string& what) = 0;
     /// Adds its entries to the section `gateway` of the status.
     virtual void describe(nlohmann::ordered_json& gateway) const = 0;
 
 protected:
-    ~GatewayVoice() = default;
+    ~GatewayEvents() = default;
 };
 
 /// The interface of the loop and its reports to the recordings.
@@ -106,7 +106,7 @@ public:
     void link_up(Link& link) override;
     void link_down(Link& link, LinkError why) override;
     void report_unreachable(Link& link) override { forwarder_.report_unreachable(link.id()); }
-    std::optional<StoredLink> take_stored(const Link& link) override;
+    std::optional<StoredLink> claim_stored(const Link& link) override;
     bool is_own_port(std::uint16_t port) const override;
     ChannelSet busy_channels() const override;
     TimePoint now() override { return now_ = Clock::now(); }
@@ -157,35 +157,35 @@ public:
     void remove_observer(Forwarder::Observer& observer) { forwarder_.remove_observer(observer); }
     /// As in the Forwarder.
     void set_exclusive(LinkId link, bool exclusive) { forwarder_.set_exclusive(link, exclusive); }
-    /// nullptr (the default): the gateway is not a device. `voice` must outlive the gateway, or be reset to nullptr.
-    void set_voice(GatewayVoice* voice) noexcept { voice_ = voice; }
-    const GatewayVoice* voice() const noexcept { return voice_; }
-    /// nullptr (the default): no recordings. Lifetime as for set_voice().
+    /// nullptr (the default): the gateway is not a device. `events` must outlive the gateway, or be reset to nullptr.
+    void set_events(GatewayEvents* events) noexcept { events_ = events; }
+    const GatewayEvents* events() const noexcept { return events_; }
+    /// nullptr (the default): no recordings. Lifetime as for set_events().
     void set_recording(RecordingService* service) noexcept { recording_ = service; }
     RecordingService* recording() const noexcept { return recording_; }
     void set_own(Forwarder::Own* own) noexcept { forwarder_.set_own(own); }
     /// Send frames of the gateway itself: to the sender of a request on that channel, and to all known hosts. As in the
     /// Forwarder.
     void answer(ChannelId to, ano::FrameView frame) { forwarder_.answer(to, frame, now()); }
-    void say_to_heard(ano::FrameView frame) { forwarder_.say_to_heard(frame, now()); }
+    void send_to_active_channels(ano::FrameView frame) { forwarder_.send_to_active_channels(frame, now()); }
     /// `call` receives the gateway's own answers to requests that were sent in its own name. Empty: the answers are not needed.
-    void on_answer_to_ourselves(std::function<void(ano::FrameView)> call) { hears_own_ = std::move(call); }
+    void on_answer_to_ourselves(std::function<void(ano::FrameView)> call) { on_own_answer_ = std::move(call); }
     void answer_ourselves(ano::FrameView frame) {
-        if (hears_own_) hears_own_(frame);
+        if (on_own_answer_) on_own_answer_(frame);
     }
     /// `call` receives the reason, as a clause, when the gateway refuses a request that was sent in its own name.
-    void on_refusal_to_ourselves(std::function<void(const std::string&)> call) { hears_refusal_ = std::move(call); }
+    void on_refusal_to_ourselves(std::function<void(const std::string&)> call) { on_refusal_ = std::move(call); }
     void refuse_ourselves(const std::string& why) {
-        if (hears_refusal_) hears_refusal_(why);
+        if (on_refusal_) on_refusal_(why);
     }
-    /// Sends a query to all devices; `tell` receives one line for each answer. Returns empty, or a clause with the reason why the
+    /// Sends a query to all devices; `on_found` receives one line for each answer. Returns empty, or a clause with the reason why the
     /// scan can't begin.
-    using Scan = std::function<std::string(const std::function<void(const std::string&)>& tell)>;
+    using Scan = std::function<std::string(const std::function<void(const std::string&)>& on_found)>;
     void on_scan(Scan call) { scan_ = std::move(call); }
     /// `call` receives each channel whose connection is lost, or which is about to be closed.
-    void on_loss(std::function<void(ChannelId)> call) { tells_loss_ = std::move(call); }
-    std::string scan(const std::function<void(const std::string&)>& tell) {
-        return scan_ ? scan_(tell) : "requests to devices are not available here";
+    void on_loss(std::function<void(ChannelId)> call) { on_loss_ = std::move(call); }
+    std::string scan(const std::function<void(const std::string&)>& on_found) {
+        return scan_ ? scan_(on_found) : "requests to devices are not available here";
     }
     /// The last reading of the clock.
     TimePoint time() const noexcept { return now_; }
@@ -222,7 +222,7 @@ private:
     void restore_homes(const std::vector<LastHomes>& homes, LinkSet fresh);
     void make_room_for_links(Retired& retired);
     void add_links(const Difference& difference, LinkSet& fresh);
-    void put_links_in_order();
+    void sort_links();
     void start_links(LinkSet fresh);
     void retire(Retired retired);
     void make_channel_free();
@@ -239,7 +239,7 @@ private:
     LinkState& state(const Link& link);
     Link& link_named(const std::string& name) const;
     void beat();
-    bool streams_speak() const;
+    bool streams_are_active() const;
     void await_forwarder();
     void restore_addresses();
     void restore_addresses(const Link& link, const StoredState::OfLink& stored);
@@ -287,12 +287,12 @@ private:
     ClockReading unread_since_{};
     TimePoint stop_by_{};
     ConfigState config_state_;
-    GatewayVoice* voice_ = nullptr;
+    GatewayEvents* events_ = nullptr;
     RecordingService* recording_ = nullptr;
-    std::function<void(ano::FrameView)> hears_own_;
-    std::function<void(const std::string&)> hears_refusal_;
+    std::function<void(ano::FrameView)> on_own_answer_;
+    std::function<void(const std::string&)> on_refusal_;
     Scan scan_;
-    std::function<void(ChannelId)> tells_loss_;
+    std::function<void(ChannelId)> on_loss_;
     std::optional<Changing> changing_;
     Alarm change_check_;
     std::vector<std::unique_ptr<Link>> former_controls_;    // kept: a program that is connecting may still refer to one

@@ -29,14 +29,14 @@ bool have_one_port(const LinkSettings& a, const LinkSettings& b) {
 void Gateway::change(Settings settings, Difference difference, Duration patience, std::function<void()> on_changed) {
     if (on_stopped_) return;
     changing_ = Changing{std::move(settings), std::move(difference), std::move(on_changed), now() + patience};
-    bool any_goes = false;
+    bool any_closes = false;
     for (LinkState& s : links_) {
         if (!goes(s)) continue;
         s.link->stop_reading();
-        any_goes = true;
+        any_closes = true;
     }
     flush();
-    if (any_goes) change_check_.set(now_ + change_look);    // the kernel's counters show written bytes only a moment later
+    if (any_closes) change_check_.set(now_ + change_look);    // the kernel's counters show written bytes only a moment later
     else finish_change();
 }
 
@@ -67,8 +67,8 @@ void Gateway::finish_change() {
     LinkSet fresh;
     add_links(change.difference, fresh);
     restore_homes(retired.homes, fresh);
-    if (control_) control_->give_up_ports(settings_.gateway.id);
-    put_links_in_order();
+    if (control_) control_->release_ports(settings_.gateway.id);
+    sort_links();
     pin_routes();
     retired.lines = gpio_->change(
         settings_.gpio, [this](const std::string& name) -> Link& { return link_named(name); }, fresh);
@@ -170,7 +170,7 @@ void Gateway::add_links(const Difference& difference, LinkSet& fresh) {
 }
 
 // In the order of the configuration, followed by links that are not configured.
-void Gateway::put_links_in_order() {
+void Gateway::sort_links() {
     const auto place = [this](const LinkState& s) {
         const auto& links = settings_.links;
         return std::find_if(links.begin(), links.end(), [&](const LinkSettings& l) { return l.name == s.link->name(); });

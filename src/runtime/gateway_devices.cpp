@@ -48,7 +48,7 @@ bool is_kept_name(std::string_view name) { return is_note(name) || address_of_li
 
 // The host of a peer in a network, without the port, which changes when a program restarts.
 std::string_view host_of(const Channel& channel) { return std::string_view{channel.peer}.substr(0, channel.peer.rfind(':')); }
-std::string words_of(const std::string& link, std::string_view peer) {
+std::string format_place(const std::string& link, std::string_view peer) {
     return peer.empty() ? link : link + " (" + std::string{peer} + ")";
 }
 
@@ -61,11 +61,11 @@ bool is_for_good(SendCause cause) { return cause == &SendCounters::denied_out ||
 GatewayDevices::GatewayDevices(Gateway& gateway)
     : gateway_{gateway},
       alarm_{gateway.alarms(), [this] { service_.run(gateway_.now()); }},
-      errand_{gateway.io()},
+      background_task_{gateway.io()},
       service_{*this, gateway.settings().control.host},
       always_{*this} {
     gateway_.add_observer(always_, {.arrivals = false, .fates = true, .departures = false, .always = true});
-    gateway_.on_scan([this](const std::function<void(const std::string&)>& tell) { return scan(tell); });
+    gateway_.on_scan([this](const std::function<void(const std::string&)>& on_found) { return scan(on_found); });
     gateway_.on_loss([this](ChannelId lost) {
         for (unsigned a = 0; a <= 0xFF; ++a)
             if (const auto address = static_cast<std::uint8_t>(a); gateway_.forwarder().router().heard_at(address, lost))
@@ -97,19 +97,19 @@ GatewayDevices::Sender GatewayDevices::sender(const Channel& from, std::uint8_t 
     if (last.has(gateway_, from)) return Sender::itself;
     if (!is_at_home) return Sender::another;
     if (!last.link.empty() && service_.stays_lost(source) && !is_known_origin(gateway_, from, source))
-        return tell_unknown(from, source), Sender::unknown;
+        return log_unknown_sender(from, source), Sender::unknown;
     last = {gateway_.name(from.link), gateway_.settings(from.link).group, std::string{host_of(from)}};
     return Sender::itself;
 }
 
-void GatewayDevices::tell_unknown(const Channel& from, std::uint8_t source) {
-    if (service_.is_told_elsewhere(source)) return;
-    const std::string here = words_of(gateway_.name(from.link), from.peer), name = ano::hex_byte(source);
-    service_.hear_elsewhere(source, here, gateway_.time());
+void GatewayDevices::log_unknown_sender(const Channel& from, std::uint8_t source) {
+    if (service_.was_received_elsewhere(source)) return;
+    const std::string here = format_place(gateway_.name(from.link), from.peer), name = ano::hex_byte(source);
+    service_.record_elsewhere(source, here, gateway_.time());
     log_warning(
         "{} now sends on {}, but was last seen on {}: this may be another device, so it stays lost. If it is the same device: "
         "anoctl routes --forget {}",
-        name, here, words_of(places_[source].link, places_[source].peer), name);
+        name, here, format_place(places_[source].link, places_[source].peer), name);
 }
 
 // A frame that is not from the device itself is not logged, and neither raises nor ends an alarm. A frame that may be from a lost
@@ -122,31 +122,32 @@ bool GatewayDevices::AlwaysListener::passes(const Channel& from, ano::FrameView 
     const TimePoint now = of_.gateway_.time();
     const auto judge = [&] {
         if (service.alarms().watch().wants(frame.source(), frame.id()))
-            service.hear_value(frame.source(), ano::read(frame, &of_.gateway_.decoding()->layouts()), now,
-                               sender == Sender::unknown);
+            service.record_value(frame.source(), ano::read(frame, &of_.gateway_.decoding()->layouts()), now,
+                                 sender == Sender::unknown);
     };
     if (sender == Sender::unknown) return judge(), false;
     if (frame.id() == ano::id_of<"log"> || frame.id() == ano::id_of<"log_value">) {
         const auto since_1970 = std::chrono::system_clock::now().time_since_epoch();
         const auto ns = std::chrono::duration_cast<std::chrono::nanoseconds>(since_1970).count();
         const bool is_known = is_known_origin(of_.gateway_, from, frame.source());
-        service.hear_log(frame, of_.gateway_.name(from.link), static_cast<std::uint64_t>(ns),
-                         is_known ? DeviceLog::Origin::known : DeviceLog::Origin::anybody);
+        service.record_log(frame, of_.gateway_.name(from.link), static_cast<std::uint64_t>(ns),
+                           is_known ? DeviceLog::Origin::known : DeviceLog::Origin::anybody);
     }
-    if (frame.id() == ano::id_of<"mode">) service.hear_mode(frame, now);
-    else service.hear_telemetry(frame.source(), frame.id(), now);
+    if (frame.id() == ano::id_of<"mode">) service.record_mode(frame, now);
+    else service.record_telemetry(frame.source(), frame.id(), now);
     judge();
     return false;
 } catch (const std::bad_alloc&) {    // ignores the frame
     return false;
 }
 
-std::string GatewayDevices::scan(const std::function<void(const std::string&)>& tell) {
-    JobOrder order{JobKind::scan, ano::host::Deed::read, std::nullopt, false, "the gateway as a device", anogate::scan};
-    order.result = [this, tell] {
+std::string GatewayDevices::scan(const std::function<void(const std::string&)>& on_found) {
+    JobOrder order{JobKind::scan, ano::host::Operation::read, std::nullopt, false, "the gateway as a device", anogate::scan};
+    order.result = [this, on_found] {
         for (const DeviceReport& device : service_.devices(gateway_.now()))
-            tell(ano::hex_byte(device.heard.address) + " " + (device.info ? device.texts.shown(device.info->name) : "unnamed") +
-                 (device.heard.link.empty() ? "" : " by " + device.heard.link));
+            on_found(ano::hex_byte(device.heard.address) + " " +
+                     (device.info ? device.texts.display_text(device.info->name) : "unnamed") +
+                     (device.heard.link.empty() ? "" : " by " + device.heard.link));
         return std::string{"[]"};
     };
     const auto begun = service_.begin(std::move(order), gateway_.now());
@@ -204,8 +205,8 @@ void GatewayDevices::remember_note(const std::string& folder, const std::string&
 void GatewayDevices::stop() {
     service_.stop(gateway_.now());
     alarm_.cancel();
-    chores_.clear();
-    errand_.stop();
+    queued_tasks_.clear();
+    background_task_.stop();
 }
 
 std::string GatewayDevices::kept_path(const std::string& name) {
@@ -225,21 +226,21 @@ void GatewayDevices::keep(std::string name, std::string text, std::function<void
 }
 
 void GatewayDevices::aside(std::function<void()> work, std::function<void(std::string fault)> done) {
-    chores_.push_back({std::move(work), std::move(done)});
-    next_chore();
+    queued_tasks_.push_back({std::move(work), std::move(done)});
+    start_next_task();
 }
 
-void GatewayDevices::next_chore() {
-    if (chores_.empty() || errand_.is_running()) return;
-    Chore chore = std::move(chores_.front());
-    chores_.pop_front();
-    const auto done = [this, told = chore.done](std::string fault) {
-        told(std::move(fault));
-        next_chore();
+void GatewayDevices::start_next_task() {
+    if (queued_tasks_.empty() || background_task_.is_running()) return;
+    QueuedTask queued = std::move(queued_tasks_.front());
+    queued_tasks_.pop_front();
+    const auto done = [this, callback = queued.done](std::string fault) {
+        callback(std::move(fault));
+        start_next_task();
     };
-    if (errand_.run(std::move(chore.work), done)) return;
-    chore.done(std::string{errand_.why_not()});
-    next_chore();
+    if (background_task_.run(std::move(queued.work), done)) return;
+    queued.done(std::string{background_task_.why_not()});
+    start_next_task();
 }
 
 ano::TimePoint GatewayDevices::now() { return gateway_.now(); }
@@ -247,7 +248,7 @@ ano::TimePoint GatewayDevices::now() { return gateway_.now(); }
 void GatewayDevices::listen(bool wants) {
     if (wants) gateway_.add_observer(*this, {.arrivals = false, .fates = true, .departures = false});
     else gateway_.remove_observer(*this);
-    gateway_.on_answer_to_ourselves(wants ? [this](ano::FrameView frame) { service_.hear(frame, gateway_.now()); }
+    gateway_.on_answer_to_ourselves(wants ? [this](ano::FrameView frame) { service_.receive(frame, gateway_.now()); }
                                           : std::function<void(ano::FrameView)>{});
     gateway_.on_refusal_to_ourselves(wants ? [this](const std::string& why) {
         if (sends_) refusal_.why = why;
@@ -268,7 +269,7 @@ Unsent GatewayDevices::send(ano::FrameView frame) {
         if (ano::is_control(frame) && !gateway_.settings().control.manage)
             return {"the control interface is not allowed to manage the gateway (control.manage)"};
     }
-    was_taken_ = false;
+    was_accepted_ = false;
     left_by_[frame.destination()].clear();
     sends_to_ = frame.destination();
     refusal_ = {};
@@ -276,7 +277,7 @@ Unsent GatewayDevices::send(ano::FrameView frame) {
     link->send(frame);
     sends_ = false;
     gateway_.flush();
-    return was_taken_ ? Unsent{} : std::exchange(refusal_, {});
+    return was_accepted_ ? Unsent{} : std::exchange(refusal_, {});
 }
 
 ano::Flush GatewayDevices::flush_parser(ano::FrameView next) {
@@ -291,7 +292,7 @@ bool GatewayDevices::is_waiting(std::uint8_t address) {
 }
 
 // Bytes in the driver count as not sent.
-std::string GatewayDevices::takes_nothing(std::uint8_t address) {
+std::string GatewayDevices::accepts_nothing(std::uint8_t address) {
     std::string why;
     for (const LinkState& state : gateway_.links()) {
         for (const ChannelId id : left_by_[address] & gateway_.forwarder().traffic(state.link->id()).channels) {
@@ -299,7 +300,7 @@ std::string GatewayDevices::takes_nothing(std::uint8_t address) {
             const SendCounters sent = channel.sent();
             const std::size_t held = state.up ? state.link->unsent() : 0;
             const bool waits = channel.waiting() > 0 || held > 0;
-            if (!drains_[index(id)].takes_nothing(sent.bytes_out + sent.flush_bytes - held, waits, gateway_.time())) continue;
+            if (!drains_[index(id)].accepts_nothing(sent.bytes_out + sent.flush_bytes - held, waits, gateway_.time())) continue;
             why = "the link '" + state.link->name() +
                   "' has sent nothing for more than 3 s: the device, or its flow control, takes nothing";
         }
@@ -311,8 +312,8 @@ bool GatewayDevices::passes(const Channel& from, ano::FrameView frame) {
     if (from.id == ourselves) return false;
     heard_by_ = from.link;
     heard_from_ = from.id;
-    if (!gateway_.forwarder().router().claims(frame.source(), from.id)) return service_.hear(frame, gateway_.time());
-    service_.hear_elsewhere(frame, gateway_.name(from.link) + (from.peer.empty() ? "" : " (" + from.peer + ")"));
+    if (!gateway_.forwarder().router().claims(frame.source(), from.id)) return service_.receive(frame, gateway_.time());
+    service_.record_elsewhere(frame, gateway_.name(from.link) + (from.peer.empty() ? "" : " (" + from.peer + ")"));
     return false;
 }
 
@@ -324,7 +325,7 @@ bool GatewayDevices::came_from(std::uint8_t address) {
 void GatewayDevices::offered(const Channel& to, ano::FrameView frame, ChannelId from) {
     if (from != ourselves) return;
     if (!sends_) return service_.sent_by_others(frame, gateway_.time());    // a hello, or a frame of POST /send
-    was_taken_ = true;
+    was_accepted_ = true;
     left_by_[sends_to_].insert(to.id);
 }
 
@@ -404,10 +405,10 @@ void GatewayDevices::report(const std::string& text, bool is_warning) {
     else log_info("{}", text);
 }
 
-ano::host::Whereabouts GatewayDevices::whereabouts(std::uint8_t address, ano::TimePoint now) {
+ano::host::RouteInfo GatewayDevices::route_info(std::uint8_t address, ano::TimePoint now) {
     const Forwarder& forwarder = gateway_.forwarder();
     const Router& router = forwarder.router();
-    ano::host::Whereabouts where;
+    ano::host::RouteInfo where;
     const LinkSet links = links_to(address, now);
     where.is_known = !links.empty() || address == gateway_.settings().gateway.id;
     const auto conflicts = router.conflicts(now);
@@ -458,27 +459,27 @@ bool GatewayDevices::may_answer_for(std::uint8_t source, std::uint8_t port) {
     const Router& router = gateway_.forwarder().router();
     LinkSet ways = router.port(port);
     if (ways.empty()) ways = router.pinned(port);
-    const bool speaks_itself = !(router.learned(port, gateway_.time()).links & ways).empty();
-    return source != port && !speaks_itself && ways.contains(heard_by_);
+    const bool is_own_sender = !(router.learned(port, gateway_.time()).links & ways).empty();
+    return source != port && !is_own_sender && ways.contains(heard_by_);
 }
 
 // The strictest limits of all links to this address.
 const ano::FlexibleLayouts& GatewayDevices::layouts() const { return gateway_.decoding()->layouts(); }
 
-DeviceManners GatewayDevices::manners(std::uint8_t address) {
+DeviceLimits GatewayDevices::device_limits(std::uint8_t address) {
     const Router& router = gateway_.forwarder().router();
     const LinkSet links = router.learned(address, gateway_.time()).links | router.pinned(address) | router.port(address);
-    DeviceManners manners;
+    DeviceLimits device_limits;
     for (const LinkState& state : gateway_.links()) {
         if (!links.contains(state.link->id())) continue;
         const LinkSettings& link = state.link->settings();
-        if (const auto most = link.max_text()) manners.text.max_bytes = most;
-        manners.expects_gbk = manners.expects_gbk || link.profile == Profile::vendor;
-        if (const auto stated = link.stated_type_7()) manners.value_type_7 = stated;
-        if (link.encoding) manners.encoding = encoding_of(*link.encoding);
-        manners.max_data = std::min<std::size_t>(manners.max_data, link.effective_max_data_out());
+        if (const auto most = link.max_text()) device_limits.text.max_bytes = most;
+        device_limits.expects_gbk = device_limits.expects_gbk || link.profile == Profile::vendor;
+        if (const auto stated = link.stated_type_7()) device_limits.value_type_7 = stated;
+        if (link.encoding) device_limits.encoding = encoding_of(*link.encoding);
+        device_limits.max_data = std::min<std::size_t>(device_limits.max_data, link.effective_max_data_out());
     }
-    return manners;
+    return device_limits;
 }
 
 }    // namespace anogate

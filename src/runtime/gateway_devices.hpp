@@ -6,7 +6,7 @@
 #include <gateway/drain_watch.hpp>
 #include <gateway/forwarder.hpp>
 #include <sys/alarm.hpp>
-#include <sys/errand.hpp>
+#include <sys/background_task.hpp>
 
 #include <array>
 #include <cstdint>
@@ -35,11 +35,11 @@ public:
     Unsent send(ano::FrameView frame) override;
     ano::Flush flush_parser(ano::FrameView next) override;
     bool is_waiting(std::uint8_t address) override;
-    std::string takes_nothing(std::uint8_t address) override;
+    std::string accepts_nothing(std::uint8_t address) override;
     void listen(bool wants) override;
     void wake(ano::TimePoint at) override { alarm_.set_no_later(at); }
     std::vector<HeardAddress> heard(ano::TimePoint now) override;
-    ano::host::Whereabouts whereabouts(std::uint8_t address, ano::TimePoint now) override;
+    ano::host::RouteInfo route_info(std::uint8_t address, ano::TimePoint now) override;
     std::vector<std::string> links_in_conflict(std::uint8_t address, ano::TimePoint now) override;
     bool is_same_device(std::uint8_t one, std::uint8_t other) override;
     bool may_answer_for(std::uint8_t source, std::uint8_t port) override;
@@ -47,7 +47,7 @@ public:
     std::string date_text() override;
     void report(const std::string& text, bool is_warning) override;
     bool came_from(std::uint8_t address) override;
-    DeviceManners manners(std::uint8_t address) override;
+    DeviceLimits device_limits(std::uint8_t address) override;
     const ano::FlexibleLayouts& layouts() const override;
     bool may_have_waited(ano::TimePoint came_at) override;
     void keep(std::string name, std::string text, std::function<void(std::string fault)> done) override;
@@ -73,12 +73,12 @@ private:
     private:
         GatewayDevices& of_;
     };
-    struct Chore {
+    struct QueuedTask {
         std::function<void()> work;
         std::function<void(std::string)> done;
     };
-    std::string scan(const std::function<void(const std::string&)>& tell);
-    void next_chore();
+    std::string scan(const std::function<void(const std::string&)>& on_found);
+    void start_next_task();
     void remember_notes();
     void remember_file(const std::string& folder, const std::string& name);
     void remember_note(const std::string& folder, const std::string& name, std::string text);
@@ -91,16 +91,16 @@ private:
     };
     enum class Sender : std::uint8_t { itself, another, unknown };
     Sender sender(const Channel& from, std::uint8_t source);
-    void tell_unknown(const Channel& from, std::uint8_t source);
+    void log_unknown_sender(const Channel& from, std::uint8_t source);
 
     Gateway& gateway_;
     Alarm alarm_;
-    Errand errand_;
-    std::deque<Chore> chores_;    // waiting for errand_
+    BackgroundTask background_task_;
+    std::deque<QueuedTask> queued_tasks_;    // waiting for background_task_
     bool sends_ = false;
     LinkId heard_by_{};                   // link of the frame that the service is processing
     ChannelId heard_from_ = ourselves;    // its channel
-    bool was_taken_ = false;
+    bool was_accepted_ = false;
     std::uint8_t sends_to_ = 0;
     std::array<ChannelSet, 256> left_by_{};    // by destination: the channels of the last frame to it
     std::array<DrainWatch, max_channels> drains_{};

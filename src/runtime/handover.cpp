@@ -45,8 +45,8 @@ UniqueFd memory_with(const std::string& text) {
 
 }    // namespace
 
-StoredState take_handover() {
-    std::vector<NamedDescriptor> descriptors = take_descriptors();
+StoredState receive_handover() {
+    std::vector<NamedDescriptor> descriptors = receive_descriptors();
     auto state = parse_stored_state(read_all(find(descriptors, state_name)), read_clocks());
     if (!state) return {};
     for (StoredState::OfLink& link : state->links) link.link.wire = find(descriptors, link.wire);
@@ -56,7 +56,7 @@ StoredState take_handover() {
 void hand_over(const Gateway& gateway) {
     if (!std::getenv("NOTIFY_SOCKET")) return;
     const StoredState state = state_of(gateway);
-    const UniqueFd text = memory_with(text_of(state));
+    const UniqueFd text = memory_with(to_string(state));
     std::vector<int> wires;
     for (const StoredState::OfLink& link : state.links)
         if (link.link.wire) wires.push_back(link.link.wire.get());

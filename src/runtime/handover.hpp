@@ -5,7 +5,7 @@
 namespace anogate {
 
 /// The state that the previous run stored; empty without one, or without systemd. Descriptors that can't be used are closed.
-StoredState take_handover();
+StoredState receive_handover();
 
 /// Stores the state of the gateway for the next run. The gateway must have stopped reading.
 void hand_over(const Gateway& gateway);

@@ -42,7 +42,7 @@ struct CborHead {
     unsigned major = 0;
     std::uint64_t argument = 0;
 };
-std::optional<CborHead> take_head(std::string_view& bytes) {
+std::optional<CborHead> read_head(std::string_view& bytes) {
     constexpr unsigned one_byte = 24, last_size = 27;
     if (bytes.empty()) return std::nullopt;
     const unsigned first = static_cast<std::uint8_t>(bytes[0]);
@@ -64,7 +64,7 @@ bool is_shallow_cbor(std::string_view bytes) {
     std::array<std::uint64_t, max_depth> left{};    // number of missing items, by depth
     std::size_t depth = 0;
     do {
-        const auto head = take_head(bytes);
+        const auto head = read_head(bytes);
         if (!head || head->major == tag) return false;
         const std::uint64_t argument = head->argument;
         if (head->major >= byte_string && head->major <= map && argument > bytes.size()) return false;

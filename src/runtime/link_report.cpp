@@ -151,11 +151,11 @@ LinkReport report_of(const Gateway& gateway, const LinkState& state, TimePoint n
     f.listens = state.link->settings().kind->listens;
     f.has_connections = f.listens && state.link->settings().kind->carries == Carries::bytes;
     f.channels = traffic.channels.size();
-    f.waits_to_hear = !f.listens && hello_interval(state.link->settings()) == Duration{};
+    f.could_send_hello = !f.listens && hello_interval(state.link->settings()) == Duration{};
     f.for_hosts = (leads_hosts_to(gateway.settings(), state.link->name()) || has_heard_host(gateway, state.link->id())) &&
                   !has_device(gateway, state.link->id());
     f.up_for = now - state.since;
-    f.untaken_for = traffic.untaken.duration(now);
+    f.undelivered_for = traffic.undelivered.duration(now);
     f.hosts_link = link_of_lost_hosts(gateway);
     const std::vector<Conflict> conflicts = gateway.forwarder().router().conflicts(now);
     set_shared(f, gateway, conflicts, state.link->id());

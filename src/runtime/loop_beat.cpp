@@ -24,9 +24,9 @@ ano::Duration LoopBeat::turn(const ClockReading& clocks) {
 
 // A standstill ends with the first beat after it, because all waiting data was read by then; the beat that detected the
 // standstill does not count.
-void LoopBeat::end(bool streams_speak) {
+void LoopBeat::end(bool streams_are_active) {
     if (!noticed_) loop_.end_standstill();
-    calm_ = !noticed_ && !streams_speak;
+    calm_ = !noticed_ && !streams_are_active;
     const ano::Duration period = calm_ ? calm_beat : beat_of_streams;
     loop_.beat(period + slack);
     alarm_.set(loop_.now() + period);
@@ -40,7 +40,7 @@ void LoopBeat::heard(bool by_stream, ano::TimePoint arrived_at) {
         loop_.beat(beat_of_streams + slack);
         alarm_.set_no_later(loop_.now() + beat_of_streams);
     } else if (const ano::Duration stood = loop_.waited(arrived_at); stood > ano::Duration::zero()) {
-        log_.stood({.stood = stood, .is_told = true}, loop_.now());
+        log_.stood({.stood = stood, .is_reported = true}, loop_.now());
     }
 }
 

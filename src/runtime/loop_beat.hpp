@@ -19,8 +19,8 @@ public:
     ano::Duration turn(const ClockReading& clocks);
     /// Begins the processing of a beat.
     void begin() noexcept { noticed_ = false; }
-    /// `streams_speak`: bytes are being received from serial ports or ptys, which have no time stamps.
-    void end(bool streams_speak);
+    /// `streams_are_active`: bytes are being received from serial ports or ptys, which have no time stamps.
+    void end(bool streams_are_active);
     /// Data was received, from a stream or a datagram socket; `arrived_at` is its time of arrival.
     void heard(bool by_stream, ano::TimePoint arrived_at);
 

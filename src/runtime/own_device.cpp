@@ -36,8 +36,8 @@ OwnDevice::OwnDevice(Gateway& gateway, Reload& reload, std::string kept_path, Wr
                  gateway_.flush();
                  await();
              }},
-      errand_{gateway.io()} {
-    gateway_.set_voice(this);
+      background_task_{gateway.io()} {
+    gateway_.set_events(this);
     reload_.on_settled([this] {    // not while it processes a request
         asio::post(gateway_.io(), [this, alive = std::weak_ptr<bool>{is_alive_}] {
             if (alive.expired()) return;
@@ -53,11 +53,11 @@ OwnDevice::~OwnDevice() { stop(); }
 void OwnDevice::stop() {
     is_alive_.reset();
     reload_.on_settled({});
-    gateway_.set_voice(nullptr);
+    gateway_.set_events(nullptr);
     gateway_.set_own(nullptr);
     alarm_.cancel();
     saves_.clear();
-    errand_.stop();
+    background_task_.stop();
 }
 
 void OwnDevice::configure() {
@@ -93,9 +93,9 @@ void OwnDevice::take(const Channel& from, ano::FrameView frame, TimePoint now) {
     await();
 }
 
-void OwnDevice::speak() {
+void OwnDevice::send_waiting() {
     while (const auto out = device_.next()) {
-        if (out->link == ano::device::every_link) gateway_.say_to_heard(out->frame);
+        if (out->link == ano::device::every_link) gateway_.send_to_active_channels(out->frame);
         else if (out->link == link_of_ourselves) answer_ourselves(out->frame);
         else if (const Channel* channel = channel_of(out->link)) gateway_.answer(channel->id, out->frame);
         else device_.forget(out->link);
@@ -114,18 +114,18 @@ void OwnDevice::await() {
     if (const auto due = device_.due()) alarm_.set_no_later(*due);
 }
 
-void OwnDevice::tell(const std::string& line, LogColor color) {
+void OwnDevice::send_log(const std::string& line, LogColor color) {
     if (!device_.is_there()) return;
     device_.log(line, color, gateway_.time());
     alarm_.set_no_later(gateway_.time());
 }
 
 void OwnDevice::link_changed(const LinkState& link) {
-    if (link.up) tell(link.link->name() + ": up", LogColor::green);
-    else tell(link.link->name() + ": " + link.error.text, LogColor::red);
+    if (link.up) send_log(link.link->name() + ": up", LogColor::green);
+    else send_log(link.link->name() + ": " + link.error.text, LogColor::red);
 }
 
-void OwnDevice::conflict_began(const std::string& what) { tell(what, LogColor::red); }
+void OwnDevice::conflict_began(const std::string& what) { send_log(what, LogColor::red); }
 
 void OwnDevice::apply(const WrittenValues& written) { reload_.write(written); }
 
@@ -162,8 +162,8 @@ void OwnDevice::next_save() {
         gateway_.flush();
         if (!saves_.empty()) next_save();
     };
-    if (errand_.run(write, done)) return;
-    asio::post(gateway_.io(), [done, alive = std::weak_ptr<bool>{is_alive_}, why = errand_.why_not()] {
+    if (background_task_.run(write, done)) return;
+    asio::post(gateway_.io(), [done, alive = std::weak_ptr<bool>{is_alive_}, why = background_task_.why_not()] {
         if (!alive.expired()) done(std::string{why});
     });
 }
@@ -176,18 +176,19 @@ std::string OwnDevice::reload() {
     reload_.reload({}, [this, alive = std::weak_ptr<bool>{is_alive_}](const ReloadOutcome& outcome) {
         if (alive.expired()) return;
         reloads_ = false;
-        tell(outcome);
+        send_log(outcome);
     });
     return {};
 }
 
-void OwnDevice::tell(const ReloadOutcome& outcome) {
-    if (!outcome.refusal.empty()) return tell("reload: nothing was changed: " + outcome.refusal, LogColor::red);
-    if (!outcome.faults.empty()) return tell("reload: nothing was changed: " + line_of(outcome.faults.front()), LogColor::red);
+void OwnDevice::send_log(const ReloadOutcome& outcome) {
+    if (!outcome.refusal.empty()) return send_log("reload: nothing was changed: " + outcome.refusal, LogColor::red);
+    if (!outcome.faults.empty())
+        return send_log("reload: nothing was changed: " + line_of(outcome.faults.front()), LogColor::red);
     std::string changed;
     for (const LinkDifference& link : outcome.difference.links)
         if (link.change != Change::same) changed += " " + link.name + " " + std::string{text(link.change)};
-    tell("reload:" + (changed.empty() ? " no link changed" : changed), LogColor::green);
+    send_log("reload:" + (changed.empty() ? " no link changed" : changed), LogColor::green);
 }
 
 std::string OwnDevice::restart(const std::string& link) {
@@ -201,7 +202,7 @@ std::string OwnDevice::restart(const std::string& link) {
 }
 
 std::string OwnDevice::scan() {
-    return gateway_.scan([this](const std::string& line) { tell(line, LogColor::standard); });
+    return gateway_.scan([this](const std::string& line) { send_log(line, LogColor::standard); });
 }
 
 std::string OwnDevice::pulse(std::size_t number) {

@@ -3,7 +3,7 @@
 #include <managed/gateway_device.hpp>
 #include <runtime/gateway.hpp>
 #include <sys/alarm.hpp>
-#include <sys/errand.hpp>
+#include <sys/background_task.hpp>
 
 #include <array>
 #include <cstdint>
@@ -18,7 +18,7 @@ class Reload;
 struct ReloadOutcome;
 
 /// The source address of its frames is not learned. The rules of the sending links apply to the frames.
-class OwnDevice final : public GatewayVoice, private Forwarder::Own, private GatewayDeeds {
+class OwnDevice final : public GatewayEvents, private Forwarder::Own, private GatewayOperations {
 public:
     /// `kept_path`: kept_parameters_path(), the file with `kept`. `gateway` and `reload` must outlive this object.
     OwnDevice(Gateway& gateway, Reload& reload, std::string kept_path, WrittenValues kept);
@@ -32,7 +32,7 @@ public:
     /// To be called when the gateway stops: nothing more is sent.
     void stop();
 
-    void speak() override;
+    void send_waiting() override;
     void link_changed(const LinkState& link) override;
     void conflict_began(const std::string& what) override;
     void describe(nlohmann::ordered_json& gateway) const override;
@@ -55,8 +55,8 @@ private:
     Link link_of(const Channel& channel);
     const Channel* channel_of(Link link) const;
     void configure();
-    void tell(const std::string& line, GatewayDevice::LogColor color);
-    void tell(const ReloadOutcome& outcome);
+    void send_log(const std::string& line, GatewayDevice::LogColor color);
+    void send_log(const ReloadOutcome& outcome);
     void await();
     void answer_ourselves(ano::FrameView frame);
     void next_save();
@@ -79,7 +79,7 @@ private:
     std::array<Place, max_channels> places_{};
     Link places_used_ = 0;
     Alarm alarm_;
-    Errand errand_;
+    BackgroundTask background_task_;
     std::deque<Save> saves_;    // the first one is being written
     bool reloads_ = false;      // a reload requested by a host is in progress
     std::shared_ptr<bool> is_alive_ = std::make_shared<bool>(true);

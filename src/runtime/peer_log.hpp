@@ -12,7 +12,7 @@ namespace anogate {
 /// lines are logged per five seconds, and one line with the number of the others.
 class PeerLog {
 public:
-    explicit PeerLog(AlarmClock& alarms) : rest_{alarms, [this] { tell_rest(); }} {}
+    explicit PeerLog(AlarmClock& alarms) : rest_{alarms, [this] { log_rest(); }} {}
 
     void came(const std::string& link, const std::string& peer, ano::TimePoint now);
     /// `why` may be empty.
@@ -21,13 +21,13 @@ public:
     void finish();
 
 private:
-    bool may_say(ano::TimePoint now);
-    void tell_rest();
+    bool may_log(ano::TimePoint now);
+    void log_rest();
 
     Alarm rest_;
     ano::TimePoint ends_at_ = ano::TimePoint::min();
     int lines_ = 0;
-    std::uint64_t unsaid_ = 0;
+    std::uint64_t unreported_ = 0;
 };
 
 }    // namespace anogate

@@ -107,7 +107,7 @@ Reload::Reload(asio::io_context& io, Gateway& gateway, ReadConfig running, ReadA
       confirmed_{std::move(running)},
       read_again_{std::move(read_again)},
       kept_path_{std::move(kept_path)},
-      errand_{io},
+      background_task_{io},
       confirm_by_{io,
                   [this] {
                       if (may_still_be_confirmed()) return;
@@ -137,7 +137,7 @@ void Reload::stop() {
     first_.clear();
     tasks_.clear();
     confirm_by_.stop();
-    errand_.stop();
+    background_task_.stop();
 }
 
 void Reload::enqueue(Task task) { enqueue(tasks_, std::move(task)); }
@@ -171,14 +171,14 @@ void Reload::begin(const ReloadRequest& request, const Done& done) {
         const auto now = std::chrono::duration_cast<std::chrono::microseconds>(ano::Clock::now().time_since_epoch());
         notify_systemd("RELOADING=1\nMONOTONIC_USEC=" + std::to_string(now.count()));
     }
-    const bool goes = errand_.run([job] { job->work(); },
-                                  [this, job, done](std::string fault) {
-                                      if (!fault.empty()) job->outcome.refusal = std::move(fault);
-                                      carry_out(job, done);
-                                  });
+    const bool goes = background_task_.run([job] { job->work(); },
+                                           [this, job, done](std::string fault) {
+                                               if (!fault.empty()) job->outcome.refusal = std::move(fault);
+                                               carry_out(job, done);
+                                           });
     if (goes) return;
     job->outcome.dry_run = request.dry_run;
-    job->outcome.refusal = std::string{errand_.why_not()} + " to read the files";
+    job->outcome.refusal = std::string{background_task_.why_not()} + " to read the files";
     finish(job->outcome, done);
 }
 
@@ -256,7 +256,8 @@ void Reload::begin_confirm(const std::function<void(std::string)>& done) {
         done(std::move(fault));
         next();
     };
-    if (!errand_.run([why, path = kept_path_] { *why = forget_config(path); }, confirmed)) refuse(std::string{errand_.why_not()});
+    if (!background_task_.run([why, path = kept_path_] { *why = forget_config(path); }, confirmed))
+        refuse(std::string{background_task_.why_not()});
 }
 
 // The deadline may have been extended after its timer expired, but before roll_back() was called.
@@ -311,7 +312,7 @@ void Reload::apply_written() {
             next();
         });
     };
-    if (errand_.run(compare, carry_out)) return;
+    if (background_task_.run(compare, carry_out)) return;
     compare();
     carry_out({});
 }

@@ -5,7 +5,7 @@
 #include <gateway/settings.hpp>
 #include <managed/managed_parameters.hpp>
 #include <runtime/kept_config.hpp>
-#include <sys/errand.hpp>
+#include <sys/background_task.hpp>
 #include <sys/ticker.hpp>
 
 #include <deque>
@@ -101,7 +101,7 @@ private:
     ReadConfig confirmed_;
     ReadAgain read_again_;
     std::string kept_path_;
-    Errand errand_;
+    BackgroundTask background_task_;
     Ticker confirm_by_;
     std::deque<Task> first_, tasks_;
     std::function<void(const std::vector<std::string>&)> on_links_changed_;

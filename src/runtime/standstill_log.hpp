@@ -15,7 +15,7 @@ public:
 
 private:
     ano::TimePoint next_{};    // earliest time of the next line
-    std::uint64_t unsaid_ = 0;
+    std::uint64_t unreported_ = 0;
 };
 
 }    // namespace anogate

@@ -55,7 +55,7 @@ StoredChannel stored_channel(const Channel& channel, const Router& router) {
 
 nlohmann::json json_of(const StoredPeer& peer) {
     return {{"endpoint", peer.endpoint.text()}, {"heard_at", nanoseconds(peer.memory.heard_at)},
-            {"is_host", peer.memory.is_host},   {"came_again", peer.memory.came_again},
+            {"is_host", peer.memory.is_host},   {"came_again", peer.memory.has_returned},
             {"once", peer.memory.once},         {"commands", peer.memory.commands},
             {"is_proven", peer.is_proven}};
 }
@@ -157,7 +157,7 @@ StoredState state_of(const Gateway& gateway) {
     return state;
 }
 
-std::string text_of(const StoredState& state) {
+std::string to_string(const StoredState& state) {
     nlohmann::json links = nlohmann::json::array();
     for (const StoredState::OfLink& link : state.links) links.push_back(json_of(link));
     const nlohmann::json unread_since{nanoseconds(state.unread_since.now), nanoseconds(state.unread_since.boot),

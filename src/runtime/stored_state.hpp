@@ -55,7 +55,7 @@ inline constexpr std::size_t max_stored_frames = 4096;
 StoredState state_of(const Gateway& gateway);
 
 /// The state without the descriptors, as text.
-std::string text_of(const StoredState& state);
+std::string to_string(const StoredState& state);
 /// std::nullopt: the text is of another version of the program, or its times are after `now`. The caller adds the descriptors.
 std::optional<StoredState> parse_stored_state(std::string_view text, const ClockReading& now);
 

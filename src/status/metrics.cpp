@@ -65,7 +65,7 @@ void write_gateway(MetricsText& text, const MetricsSnapshot& s) {
     text.sample({}, s.guessing_clients);
     text.family("anogate_connections_gave_way", MetricType::counter,
                 "connections to control.http that waited and were closed because others came");
-    text.sample({}, s.gave_way);
+    text.sample({}, s.evicted);
     text.family("anogate_alarms", MetricType::gauge, "device values outside their alarm limits");
     text.sample({{"level", "amber"}}, s.amber_alarms);
     text.sample({{"level", "red"}}, s.red_alarms);
@@ -87,7 +87,7 @@ void write_state(MetricsText& text, const MetricsSnapshot& s) {
     text.family("anogate_link_handshakes_gave_way", MetricType::counter,
                 "connections closed in favor of others during the TLS handshake");
     for (const auto& link : s.links)
-        if (link.handshakes_gave_way) text.sample({{"link", link.name}}, *link.handshakes_gave_way);
+        if (link.evicted_handshakes) text.sample({{"link", link.name}}, *link.evicted_handshakes);
     text.family("anogate_link_hint", MetricType::gauge, "1: the current hint of the status, as hint_id");
     for (const auto& link : s.links)
         if (!link.hint_id.empty()) text.sample({{"link", link.name}, {"hint", link.hint_id}}, std::uint64_t{1});
@@ -184,14 +184,14 @@ MetricsSnapshot::Link snapshot_of(const Gateway& gateway, const LinkState& state
     for (const auto& [name, value] : state.link->facts())
         if (name == "certificate_days") link.certificate_days = std::get<std::int64_t>(value);
         else if (name == "handshakes_gave_way")
-            link.handshakes_gave_way = static_cast<std::uint64_t>(std::get<std::int64_t>(value));
+            link.evicted_handshakes = static_cast<std::uint64_t>(std::get<std::int64_t>(value));
     link.traffic = {report.figures.received, report.figures.sent, report.waiting};
     for (const ChannelId id : gateway.forwarder().traffic(state.link->id()).channels) {
         const Channel& channel = gateway.channel(id);
-        auto& told = link.channels.emplace_back();
-        told.peer = channel.peer;
-        if (channel.heard_at != TimePoint{}) told.silent_s = in_seconds(now - channel.heard_at);
-        told.traffic = {channel.received(), channel.sent(), channel.waiting()};
+        auto& entry = link.channels.emplace_back();
+        entry.peer = channel.peer;
+        if (channel.heard_at != TimePoint{}) entry.silent_s = in_seconds(now - channel.heard_at);
+        entry.traffic = {channel.received(), channel.sent(), channel.waiting()};
     }
     return link;
 }
@@ -227,7 +227,7 @@ std::string metrics(MetricsSnapshot snapshot, MetricsForm form) {
     if (snapshot.tunnel) write_tunnel(text, *snapshot.tunnel);
     if (snapshot.recording) write_recording(text, *snapshot.recording);
     write_process(text, snapshot.process);
-    return text.take();
+    return text.finish();
 }
 
 }    // namespace anogate

@@ -33,10 +33,10 @@ struct MetricsSnapshot {
     struct Link {
         std::string name, kind, id;    // id: the port id, or empty
         bool up = false;
-        double since_s = 0;                                  // time since the last change of `up`
-        std::string_view hint_id;                            // empty: none
-        std::optional<std::int64_t> certificate_days;        // of a TLS link: days until its certificate expires
-        std::optional<std::uint64_t> handshakes_gave_way;    // of a link that listens with TLS
+        double since_s = 0;                                 // time since the last change of `up`
+        std::string_view hint_id;                           // empty: none
+        std::optional<std::int64_t> certificate_days;       // of a TLS link: days until its certificate expires
+        std::optional<std::uint64_t> evicted_handshakes;    // of a link that listens with TLS
         Traffic traffic;
         std::vector<Channel> channels;
     };
@@ -48,8 +48,8 @@ struct MetricsSnapshot {
     std::uint64_t own_frames = 0;
     std::vector<std::pair<std::string_view, std::uint64_t>> routes;    // deciding rule, number of addresses
     std::uint64_t conflicts = 0;
-    std::uint64_t wrong_tokens = 0, guessing_clients = 0, gave_way = 0;    // of control.http, see NetworkDoor
-    std::uint64_t amber_alarms = 0, red_alarms = 0;                        // values beyond their limits
+    std::uint64_t wrong_tokens = 0, guessing_clients = 0, evicted = 0;    // of control.http, see NetworkDoor
+    std::uint64_t amber_alarms = 0, red_alarms = 0;                       // values beyond their limits
     std::vector<Link> links;
     std::optional<TunnelCounters> tunnel;
     std::optional<RecordingFigures> recording;

@@ -64,11 +64,11 @@ std::string_view content_type(MetricsForm form) noexcept {
 
 void MetricsText::family(std::string_view name, MetricType type, std::string_view help) {
     name_.assign(name).append(suffix_of(type));
-    const std::string_view told = form_ == MetricsForm::openmetrics ? name : std::string_view{name_};
-    text_.append("# HELP ").append(told).append(" ").append(help).append("\n");
-    text_.append("# TYPE ").append(told).append(" ").append(type_word(type, form_)).append("\n");
+    const std::string_view heading = form_ == MetricsForm::openmetrics ? name : std::string_view{name_};
+    text_.append("# HELP ").append(heading).append(" ").append(help).append("\n");
+    text_.append("# TYPE ").append(heading).append(" ").append(type_word(type, form_)).append("\n");
     if (const std::string_view unit = unit_of(name); form_ == MetricsForm::openmetrics && !unit.empty())
-        text_.append("# UNIT ").append(told).append(" ").append(unit.substr(1)).append("\n");
+        text_.append("# UNIT ").append(heading).append(" ").append(unit.substr(1)).append("\n");
 }
 
 void MetricsText::sample(std::initializer_list<Label> labels, std::uint64_t value) {
@@ -105,7 +105,7 @@ void MetricsText::label(const Label& label) {
     text_ += "\",";
 }
 
-std::string MetricsText::take() {
+std::string MetricsText::finish() {
     if (form_ == MetricsForm::openmetrics) text_ += "# EOF\n";
     return std::exchange(text_, {});
 }

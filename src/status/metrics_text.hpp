@@ -27,7 +27,7 @@ public:
     void family(std::string_view name, MetricType type, std::string_view help);
     void sample(std::initializer_list<Label> labels, std::uint64_t value);
     void sample(std::initializer_list<Label> labels, double value);
-    std::string take();
+    std::string finish();
 
 private:
     void series(std::initializer_list<Label> labels);

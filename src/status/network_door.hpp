@@ -29,8 +29,8 @@ struct NetworkDoor {
     std::vector<std::string> hosts{};                             // configured names of this machine
     std::uint64_t wrong_tokens = 0;                               // received so far
     std::uint64_t guessing_clients = 0;                           // clients whose wrong tokens were slowed down
-    std::uint64_t gave_way = 0;                                   // waiting connections that were closed for others
-    bool gave_way_lately = false;                                 // within `lately`
+    std::uint64_t evicted = 0;                                    // waiting connections that were closed for others
+    bool evicted_lately = false;                                  // within `lately`
     std::string_view link_code = "none", digits_code = "none";    // the state of the one-time codes
 };
 

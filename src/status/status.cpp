@@ -145,7 +145,7 @@ Json gateway_json(const Gateway& gateway, TimePoint now) {
     json["decoding_changes"] = gateway.decoding_changes();
     json["own_frames"] = gateway.forwarder().router().own_frames();
     json["config"] = config_json(gateway.config_state(), now);
-    if (gateway.voice()) gateway.voice()->describe(json);
+    if (gateway.events()) gateway.events()->describe(json);
     return json;
 }
 
@@ -163,8 +163,8 @@ Json http_json(const NetworkDoor& door) {
     json["hosts"] = door.hosts;
     json["wrong_tokens"] = door.wrong_tokens;
     json["guessing_clients"] = door.guessing_clients;
-    json["gave_way"] = door.gave_way;
-    const Hint hint = door.gave_way_lately ? waiting_connections_closed() : Hint{};
+    json["gave_way"] = door.evicted;
+    const Hint hint = door.evicted_lately ? waiting_connections_closed() : Hint{};
     json["hint_id"] = hint.id;
     json["hint"] = hint.text;
     json["codes"] = {{"link", door.link_code}, {"digits", door.digits_code}};
@@ -246,14 +246,14 @@ std::vector<std::string> HintLog::news(Gateway& gateway) {
     const TimePoint now = gateway.now();
     std::vector<std::string> lines;
     for (const LinkState& state : gateway.links()) {
-        std::set<std::string>& told = told_[state.link->name()];
-        if (!state.up) told.clear();
+        std::set<std::string>& logged = logged_hints_[state.link->name()];
+        if (!state.up) logged.clear();
         const LinkError error = state.up ? state.link->trouble() : LinkError{};
         const bool is_of_recording = error.id == "recording_damaged" ||
                                      error.id == "nothing_to_replay";    // logged besides hints
         for (const std::string& words :
              {is_of_recording ? error.text : std::string{}, hint_of_trouble(report_of(gateway, state, now).figures)})
-            if (!words.empty() && told.insert(words).second) lines.push_back(state.link->name() + ": " + words);
+            if (!words.empty() && logged.insert(words).second) lines.push_back(state.link->name() + ": " + words);
     }
     return lines;
 }

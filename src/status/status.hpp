@@ -36,10 +36,10 @@ public:
     /// One line for each hint that was not returned yet.
     std::vector<std::string> news(Gateway& gateway);
     /// To be called when the link of this name was replaced or removed.
-    void forget(const std::string& link) { told_.erase(link); }
+    void forget(const std::string& link) { logged_hints_.erase(link); }
 
 private:
-    std::map<std::string, std::set<std::string>> told_;    // by link
+    std::map<std::string, std::set<std::string>> logged_hints_;    // by link
 };
 
 }    // namespace anogate

@@ -17,11 +17,11 @@ public:
     static constexpr std::size_t min_kept = 4096;               // bytes of a batch; smaller ones are not kept
 
     /// `size` bytes of unspecified content; the capacity is at most twice that. Throws std::bad_alloc.
-    std::shared_ptr<std::string> take(std::size_t size) {
-        std::unique_ptr<std::string> batch = kept_->take(2 * size);
+    std::shared_ptr<std::string> acquire(std::size_t size) {
+        std::unique_ptr<std::string> batch = kept_->acquire(2 * size);
         if (!batch) batch = std::make_unique<std::string>();
         batch->resize(size);
-        return {batch.release(), [kept = kept_](std::string* used) { kept->give(std::unique_ptr<std::string>{used}); }};
+        return {batch.release(), [kept = kept_](std::string* used) { kept->recycle(std::unique_ptr<std::string>{used}); }};
     }
     /// Frees the kept memory. Batches in use are freed, not kept, when they are released.
     void clear() { kept_ = std::make_shared<Kept>(); }
@@ -33,7 +33,7 @@ private:
         Kept() { batches_.reserve(max_kept / min_kept); }
 
         /// nullptr: none is kept, the next one has a capacity above `max_capacity`, or another thread holds the lock.
-        std::unique_ptr<std::string> take(std::size_t max_capacity) noexcept {
+        std::unique_ptr<std::string> acquire(std::size_t max_capacity) noexcept {
             const std::unique_lock lock{mutex_, std::try_to_lock};
             if (!lock || batches_.empty() || batches_.back()->capacity() > max_capacity) return nullptr;
             std::unique_ptr<std::string> batch = std::move(batches_.back());
@@ -41,7 +41,7 @@ private:
             bytes_ -= batch->capacity();
             return batch;
         }
-        void give(std::unique_ptr<std::string> batch) noexcept {
+        void recycle(std::unique_ptr<std::string> batch) noexcept {
             if (batch->capacity() < min_kept) return;
             const std::unique_lock lock{mutex_, std::try_to_lock};
             if (!lock || bytes_ + batch->capacity() > max_kept) return;

@@ -28,7 +28,7 @@ void remove_from_store(const std::string& name) { notify_systemd("FDSTOREREMOVE=
 
 }    // namespace
 
-std::vector<NamedDescriptor> take_descriptors() {
+std::vector<NamedDescriptor> receive_descriptors() {
     const char* passed_names = std::getenv("LISTEN_FDNAMES");
     std::string names = passed_names ? passed_names : "";
     const bool is_ours = number(std::getenv("LISTEN_PID")) == ::getpid();

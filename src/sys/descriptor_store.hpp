@@ -15,7 +15,7 @@ using NamedDescriptor = std::pair<std::string, UniqueFd>;
 /// Returns the descriptors that were passed to this process, and removes their variables from the environment. To be called once,
 /// before another thread runs. If LISTEN_PID is another process (our parent), its descriptors are not changed, as in
 /// sd_listen_fds(3): they stay open and unused while we run. No other program can inherit them, because we start none.
-std::vector<NamedDescriptor> take_descriptors();
+std::vector<NamedDescriptor> receive_descriptors();
 
 /// Stores copies of at most 253 descriptors under one name. False: systemd did not accept them in time, or there is no systemd.
 bool store_descriptors(const std::string& name, std::span<const int> descriptors);

@@ -27,7 +27,7 @@ void keep_pages_small() noexcept { ::prctl(PR_SET_THP_DISABLE, 1, 0, 0, 0); }
 // The heap of the C library would not map each room separately, because it uses its threshold for mmap only when the heap has to
 // grow. Otherwise it would allocate a room from freed small pieces or from the free end of the heap, where pages were touched
 // before, and pieces allocated after it would keep its memory in the heap.
-void take_rooms_from_the_system() noexcept {
+void map_rooms_separately() noexcept {
     static Mapped mapped;
     std::pmr::set_default_resource(&mapped);
     keep_pages_small();

@@ -5,7 +5,7 @@
 namespace anogate {
 
 /// After this call, each room is a separate memory mapping, which is unmapped when the room is freed.
-void take_rooms_from_the_system() noexcept;
+void map_rooms_separately() noexcept;
 
 /// Whether the system could provide `size` more bytes now.
 bool memory_is_left(std::size_t size) noexcept;

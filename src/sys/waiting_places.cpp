@@ -14,35 +14,35 @@ using All = std::span<const WaitingConnection>;
 constexpr std::size_t few = 4;    // up to this number of connections, all parties rank the same
 
 /// The number of connections of each party, at least `few`.
-class Parties {
+class ConnectionCounts {
 public:
-    explicit Parties(All all) {
-        parties_.reserve(all.size());
-        for (const WaitingConnection& one : all) parties_.push_back(one.party);
-        std::sort(parties_.begin(), parties_.end());
+    explicit ConnectionCounts(All all) {
+        client_ids_.reserve(all.size());
+        for (const WaitingConnection& one : all) client_ids_.push_back(one.client_id);
+        std::sort(client_ids_.begin(), client_ids_.end());
     }
-    std::size_t of(std::uint64_t party) const {
-        const auto [begin, end] = std::equal_range(parties_.begin(), parties_.end(), party);
+    std::size_t of(std::uint64_t client_id) const {
+        const auto [begin, end] = std::equal_range(client_ids_.begin(), client_ids_.end(), client_id);
         return std::max(few, static_cast<std::size_t>(end - begin));
     }
     /// Only for a few connections at a time: behind the same address there may be somebody else.
-    bool go_first(const WaitingConnection& one) const { return one.goes_first && of(one.party) <= few; }
+    bool is_preferred(const WaitingConnection& one) const { return one.has_priority && of(one.client_id) <= few; }
 
 private:
-    std::vector<std::uint64_t> parties_;
+    std::vector<std::uint64_t> client_ids_;
 };
 
 }    // namespace
 
-std::optional<std::size_t> gives_way(All all, bool for_first) {
-    const Parties parties{all};
-    const bool all_go_first = std::all_of(all.begin(), all.end(), [&](const auto& one) { return parties.go_first(one); });
-    if (all_go_first && !for_first) return std::nullopt;
+std::optional<std::size_t> next_evicted(All all, bool for_priority) {
+    const ConnectionCounts counts{all};
+    const bool all_have_priority = std::all_of(all.begin(), all.end(), [&](const auto& one) { return counts.is_preferred(one); });
+    if (all_have_priority && !for_priority) return std::nullopt;
     std::size_t most = 0;
     std::vector<std::size_t> candidates;
     for (std::size_t i = 0; i < all.size(); ++i) {
-        if (all[i].stage == Stage::at_work || (parties.go_first(all[i]) && !all_go_first)) continue;
-        const std::size_t has = parties.of(all[i].party);
+        if (all[i].stage == Stage::at_work || (counts.is_preferred(all[i]) && !all_have_priority)) continue;
+        const std::size_t has = counts.of(all[i].client_id);
         if (has > most) candidates.clear();
         if (has < most) continue;
         most = has;
@@ -59,11 +59,12 @@ std::optional<std::size_t> gives_way(All all, bool for_first) {
 }
 
 std::optional<std::size_t> next_turn(All all, std::size_t places) {
-    const Parties parties{all};
+    const ConnectionCounts counts{all};
     const int order = all.size() >= places - places / 4 ? -1 : 1;
     std::optional<std::size_t> next;
     const auto rank = [&](const WaitingConnection& one) {
-        return std::tuple{!parties.go_first(one), !one.has_answered, parties.of(one.party), order * one.since.time_since_epoch()};
+        return std::tuple{!counts.is_preferred(one), !one.has_answered, counts.of(one.client_id),
+                          order * one.since.time_since_epoch()};
     };
     for (std::size_t i = 0; i < all.size(); ++i)
         if (all[i].stage == Stage::its_turn && (!next || rank(all[i]) < rank(all[*next]))) next = i;

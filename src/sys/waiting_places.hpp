@@ -18,21 +18,21 @@ struct WaitingConnection {
         at_work,     // is being processed: never dropped
     };
 
-    std::uint64_t party = 0;    // one IPv4 address, or one /64 of IPv6
+    std::uint64_t client_id = 0;    // one IPv4 address, or one /64 of IPv6
     ano::TimePoint since{};
     Stage stage = Stage::silent;
-    bool goes_first = false;      // has a trusted address
+    bool has_priority = false;    // has a trusted address
     bool has_answered = false;    // to a message of ours, so its address is not forged
 };
 
 /// The longest silence while others connect.
 inline constexpr ano::Duration silent_while_others_come = std::chrono::seconds{3};
 
-/// The connection to drop if all places are taken and one more connects. Never one that goes first, unless `for_first` is set and
+/// The connection to drop if all places are taken and one more connects. Never one that goes first, unless `for_priority` is set and
 /// all go first. It belongs to the party with most connections; among the stages of that party (silent, begun, its_turn) to the
 /// one with most connections, and is the oldest of these. Up to four connections of a party count as four, so that many addresses
 /// with one connection each do not displace two connections of one household. std::nullopt: none.
-std::optional<std::size_t> gives_way(std::span<const WaitingConnection> all, bool for_first);
+std::optional<std::size_t> next_evicted(std::span<const WaitingConnection> all, bool for_priority);
 
 /// The next connection to process, among those in `its_turn`: first those that go first, then those that have answered, then
 /// those of the party with fewest connections, then the oldest. If three quarters of `places` are taken, the newest instead: the

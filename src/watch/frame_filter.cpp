@@ -161,7 +161,7 @@ std::variant<FrameQuery, std::string> parse_frame_query(std::span<const http::Fi
 
 namespace {
 
-bool takes_all(FrameFilterSettings settings) {
+bool accepts_all(FrameFilterSettings settings) {
     settings.directions = {true, true, true};
     settings.batch = FrameFilterSettings{}.batch;
     settings.elsewhere = true;
@@ -174,7 +174,7 @@ FrameFilter::FrameFilter(const FrameFilterSettings& settings)
     : ids_{settings.ids},
       from_{settings.from},
       to_{settings.to},
-      takes_all_{takes_all(settings)},
+      accepts_all_{accepts_all(settings)},
       elsewhere_{settings.elsewhere},
       directions_{settings.directions} {
     if (settings.samples > 0) samples_ = std::make_unique<FrameSamples>(settings.samples);

@@ -83,14 +83,14 @@ public:
                bool is_elsewhere = false) noexcept {
         const auto way = static_cast<std::size_t>(direction);
         if (!directions_[way] || (is_elsewhere && !elsewhere_)) return false;
-        return takes_all_ ||
+        return accepts_all_ ||
                (links_.contains(LinkId{link}) && ids_[frame.id()] && from_[frame.source()] && to_[frame.destination()] &&
                 (!limits_ || (*limits_)[way].passes(frame.id(), now)) && (!samples_ || samples_->passes(link, frame, now)));
     }
 
 private:
     FrameFilterSettings::Bytes ids_, from_, to_;
-    bool takes_all_;    // accepts every frame in the wanted directions
+    bool accepts_all_;    // accepts every frame in the wanted directions
     bool elsewhere_;
     LinkSet links_ = ~LinkSet{};
     std::array<bool, 3> directions_;

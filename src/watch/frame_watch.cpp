@@ -128,7 +128,7 @@ void FrameWatch::left(const Channel& to, ano::FrameView frame) noexcept {
     note({Direction::out, to.link, number_of(to), 0}, frame, gateway_.time());
 }
 
-void FrameWatch::gave_up(const Channel& to, ano::FrameView frame, SendCause cause) noexcept {
+void FrameWatch::discarded(const Channel& to, ano::FrameView frame, SendCause cause) noexcept {
     note({Direction::dropped, to.link, number_of(to), anogate::number_of(cause)}, frame, gateway_.time());
 }
 
@@ -186,7 +186,7 @@ void FrameWatch::record(Stream& stream, const Event& event, ano::FrameView frame
 // Allocates the size of the last batch, so that a batch seldom has to grow and small waiting batches use little memory.
 void FrameWatch::begin_batch(Stream& stream) {
     read_clocks();
-    stream.batch = memory_.take(stream.usual + stream.usual / 8);
+    stream.batch = memory_.acquire(stream.usual + stream.usual / 8);
     stream.filled = 0;
 }
 
@@ -230,7 +230,7 @@ void FrameWatch::Stream::end_batch(TimePoint now) {
     for (Watcher* watcher : watchers) {
         if (takes(*watcher, ended)) continue;
         std::string_view rest = *ended;
-        while (const auto record = take_record(rest)) watcher->queue.lose(record->frame.id(), now);
+        while (const auto record = next_record(rest)) watcher->queue.lose(record->frame.id(), now);
     }
 }
 

@@ -83,7 +83,7 @@ private:
     void dropped(const Channel& from, ano::FrameView frame, ReceiveCause cause) override;
     void refused(LinkId to, ano::FrameView frame, SendCause cause) override;
     void left(const Channel& to, ano::FrameView frame) noexcept override;
-    void gave_up(const Channel& to, ano::FrameView frame, SendCause cause) noexcept override;
+    void discarded(const Channel& to, ano::FrameView frame, SendCause cause) noexcept override;
     void removed(LinkId link) override;
 
     void join(Watcher& watcher, const FrameFilterSettings& settings);

@@ -14,7 +14,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 // The names of links and peers may contain any bytes.
-std::string text_of(const Json& json) { return ano::json_text(json); }
+std::string to_string(const Json& json) { return ano::json_text(json); }
 
 // Empty: the number is not in use.
 std::string_view name_at(const std::vector<std::string>& names, std::size_t number) {
@@ -62,16 +62,16 @@ std::string lost_json(const LostFrames& lost) {
         const ano::Message* message = ano::find_message(static_cast<std::uint8_t>(n));
         by_message[message ? std::string{message->name} : ano::hex_byte(static_cast<std::uint8_t>(n))] = lost.by_id[n];
     }
-    return text_of({{"lost", std::move(by_message)}, {"since_ms", lost.since.count()}});
+    return to_string({{"lost", std::move(by_message)}, {"since_ms", lost.since.count()}});
 }
 
 std::string tables_json(const WatchTables& tables) {
     Json causes = Json::array();
     for (const std::string_view cause : frame_causes()) causes.push_back(cause.empty() ? Json(nullptr) : Json(cause));
-    return text_of({{"links", list_of(tables.links)},
-                    {"channels", list_of(tables.peers)},
-                    {"causes", std::move(causes)},
-                    {"decoding", tables.decoding ? Json::parse(tables.decoding->text()) : Json::object()}});
+    return to_string({{"links", list_of(tables.links)},
+                      {"channels", list_of(tables.peers)},
+                      {"causes", std::move(causes)},
+                      {"decoding", tables.decoding ? Json::parse(tables.decoding->text()) : Json::object()}});
 }
 
 }    // namespace anogate

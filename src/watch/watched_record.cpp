@@ -65,7 +65,7 @@ RecordedFrame as_recorded(const FrameRecord& record, const WatchTables& tables) 
 
 std::uint64_t count_of_records(std::string_view records) noexcept {
     std::uint64_t count = 0;
-    while (take_record(records)) ++count;
+    while (next_record(records)) ++count;
     return count;
 }
 

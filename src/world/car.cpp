@@ -40,10 +40,12 @@ void Car::add_commands() {
 void Car::add_streams() {
     every(at_rate(hz()), [this] {
         const Vector rates = hand_.holds() ? Vector{} : Vector{0, 0, yaw_rate_};
-        say(inertial_.inertial(held_.inverse().turn({gain_, speed_ * yaw_rate_, gravity}), rates, chance()));
+        emit(inertial_.inertial(held_.inverse().turn({gain_, speed_ * yaw_rate_, gravity}), rates, chance()));
     });
-    every(at_rate(hz()), [this] { say(euler_of(hand_.holds() ? held_.angles() : Angles{0, 0, yaw_}, euler_signs(), chance())); });
-    every(at_rate(hz() / 2), [this] { say(inertial_.compass(hand_.holds() ? held_ : Attitude::of({0, 0, yaw_}), chance())); });
+    every(at_rate(hz()), [this] {
+        emit(euler_of(hand_.holds() ? held_.angles() : Angles{0, 0, yaw_}, euler_signs(), chance()));
+    });
+    every(at_rate(hz() / 2), [this] { emit(inertial_.compass(hand_.holds() ? held_ : Attitude::of({0, 0, yaw_}), chance())); });
     every(at_rate(hz() / 2), [this] { movement(); });
     every(at_rate(hz() / 5), [this] { surroundings(); });
     every(at_rate(1), [this] { health(); });
@@ -53,33 +55,33 @@ void Car::movement() {
     Draft<"velocity"> velocity;
     fill<"speed_x">(velocity, 100 * speed_ * std::cos(yaw_));
     fill<"speed_y">(velocity, 100 * speed_ * std::sin(yaw_));
-    say(velocity);
+    emit(velocity);
     Draft<"position"> position;
     fill<"pos_x">(position, 100 * position_.x);
     fill<"pos_y">(position, 100 * position_.y);
-    say(position);
+    emit(position);
 }
 
 void Car::surroundings() {
     const Scan points = scan_from(position_, yaw_);
     Draft<"ranging", "scan"> scan;
     static_cast<void>(scan.set<"points">(Bytes{points}));
-    say(scan);
+    emit(scan);
     constexpr double forward = 1;
     Draft<"ranging"> ahead;
     fill<"type">(ahead, forward);
     fill<"dist">(ahead, 1000 * to_the_wall(position_, yaw_));
-    say(ahead);
+    emit(ahead);
 }
 
 void Car::health() {
     Draft<"mode"> mode;
     fill<"sflag">(mode, is_locked_ ? 0 : 1);
-    say(mode);
+    emit(mode);
     Draft<"power"> power;
     fill<"voltage">(power, battery_.voltage());
     fill<"current">(power, battery_.current());
-    say(power);
+    emit(power);
 }
 
 // 0x40: the pitch stick sets the speed, the roll stick the turn. 0x41: forward speed and turn.

@@ -111,7 +111,7 @@ constexpr Code codes[]{
 // clang-format on
 
 // Removes the first character of `text` and returns it.
-char32_t take_character(std::string_view& text) {
+char32_t next_character(std::string_view& text) {
     const auto first = static_cast<std::uint8_t>(text[0]);
     const std::size_t size = first < 0x80 ? 1 : first < 0xE0 ? 2 : first < 0xF0 ? 3 : 4;
     char32_t character = size == 1 ? first : first & (0x7Fu >> size);
@@ -123,7 +123,7 @@ char32_t take_character(std::string_view& text) {
 std::string as_gbk(std::string_view text) {
     std::string out;
     while (!text.empty()) {
-        const char32_t character = take_character(text);
+        const char32_t character = next_character(text);
         if (character < 0x80) {
             out += static_cast<char>(character);
             continue;

@@ -20,9 +20,9 @@ void FaultyLine::run(TimePoint now, const Send& send) {
     device_->notice_pause(now);
     for (;;) {
         const TimePoint first = passing_.empty() ? TimePoint::max() : passing_.begin()->first;
-        const TimePoint said = device_->due();
-        if (said <= std::min(now, first)) {
-            device_->run(said, say_);
+        const TimePoint device_due = device_->due();
+        if (device_due <= std::min(now, first)) {
+            device_->run(device_due, emit_);
         } else if (first <= now) {
             const auto next = passing_.extract(passing_.begin());
             arrive(next.mapped(), next.key(), send);
@@ -33,8 +33,8 @@ void FaultyLine::run(TimePoint now, const Send& send) {
 }
 
 TimePoint FaultyLine::due() const noexcept {
-    const TimePoint said = device_->due();
-    return passing_.empty() ? said : std::min(said, passing_.begin()->first);
+    const TimePoint device_due = device_->due();
+    return passing_.empty() ? device_due : std::min(device_due, passing_.begin()->first);
 }
 
 // Every frame draws the same number of random numbers, so that faults of one frame do not change those of the next.
@@ -60,10 +60,10 @@ void FaultyLine::put(Bytes frame, Way way, TimePoint at, Noise& chance) {
 void FaultyLine::arrive(const Passing& passing, TimePoint at, const Send& send) {
     switch (passing.way) {
     case Way::to_host: return send(passing.bytes, at);
-    case Way::to_slow_device: --waiting_; return hear(passing.bytes, at);
+    case Way::to_slow_device: --waiting_; return receive(passing.bytes, at);
     case Way::to_device:
         if (faults_.slow > Duration::zero()) return wait_for_slow_device(passing, at);
-        return hear(passing.bytes, at);
+        return receive(passing.bytes, at);
     }
 }
 
@@ -89,19 +89,19 @@ void FaultyLine::restart_if_due(TimePoint at) {
     device_->restart();
 }
 
-void FaultyLine::say(FrameView frame, TimePoint at) {
+void FaultyLine::emit(FrameView frame, TimePoint at) {
     restart_if_due(at);
     if (!is_restarting(at)) put(frame.bytes(), Way::to_host, at, back_);
 }
 
 // Without the vendor's parser, damaged frames are dropped and do not affect the device.
-void FaultyLine::hear(Bytes bytes, TimePoint at) {
+void FaultyLine::receive(Bytes bytes, TimePoint at) {
     restart_if_due(at);
     const bool is_deaf = is_restarting(at) || (faults_.deaf_after && at - start_ >= *faults_.deaf_after);
     counters_.unheard += is_deaf;
-    if (!is_deaf && faults_.vendor_parser) return parser_.feed(bytes, [&](FrameView frame) { device_->take(frame, at, say_); });
+    if (!is_deaf && faults_.vendor_parser) return parser_.feed(bytes, [&](FrameView frame) { device_->take(frame, at, emit_); });
     const auto frame = frame_at(bytes);
-    if (!is_deaf && frame && frame->bytes().size() == bytes.size()) device_->take(*frame, at, say_);
+    if (!is_deaf && frame && frame->bytes().size() == bytes.size()) device_->take(*frame, at, emit_);
 }
 
 }    // namespace ano::world

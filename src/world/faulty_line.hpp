@@ -73,8 +73,8 @@ private:
     void put(Bytes frame, Way way, TimePoint at, Noise& chance);
     void arrive(const Passing& passing, TimePoint at, const Send& send);
     void wait_for_slow_device(const Passing& passing, TimePoint at);
-    void hear(Bytes bytes, TimePoint at);
-    void say(FrameView frame, TimePoint at);
+    void receive(Bytes bytes, TimePoint at);
+    void emit(FrameView frame, TimePoint at);
     void restart_if_due(TimePoint at);
     bool is_restarting(TimePoint at) const noexcept;
 
@@ -88,7 +88,7 @@ private:
     VendorParser parser_;
     FaultCounters counters_;
     bool has_restarted_ = false;
-    const SimulatedDevice::Send say_ = [this](FrameView frame, TimePoint at) { say(frame, at); };
+    const SimulatedDevice::Send emit_ = [this](FrameView frame, TimePoint at) { emit(frame, at); };
 };
 
 }    // namespace ano::world

@@ -27,7 +27,7 @@ Flight::Safety Flight::safety() const noexcept {
 
 bool Flight::unlock() {
     if (hand_.holds() || battery_.charge() <= last_battery) return false;
-    if (is_locked_) tell_("unlocked", false);
+    if (is_locked_) report_("unlocked", false);
     is_locked_ = false;
     return true;
 }
@@ -93,7 +93,7 @@ bool Flight::fly(std::vector<RoutePoint> route) {
 }
 
 // Moving the sticks takes over manual control.
-void Flight::hear(const Sticks& sticks) noexcept {
+void Flight::receive(const Sticks& sticks) noexcept {
     sticks_ = sticks;
     sticks_age_ = 0;
     if (sticks.centred() || settings_.mode == static_cast<std::uint8_t>(Mode::programmed) || task_ == Task::hover) return;
@@ -101,7 +101,7 @@ void Flight::hear(const Sticks& sticks) noexcept {
     place_ = body_.position();
 }
 
-void Flight::hear(const Steering& steering) noexcept {
+void Flight::receive(const Steering& steering) noexcept {
     steering_ = steering;
     steering_age_ = 0;
 }
@@ -129,14 +129,14 @@ void Flight::left_the_ground() {
 void Flight::landed() {
     is_locked_ = true;
     task_ = Task::hover;
-    tell_("landed", false);
+    report_("landed", false);
 }
 
 void Flight::look_after_the_battery() {
     if (safety() != Safety::airborne) return;
-    if (battery_.charge() <= low_battery && !std::exchange(was_low_, true)) tell_("battery low", true);
+    if (battery_.charge() <= low_battery && !std::exchange(was_low_, true)) report_("battery low", true);
     if (battery_.charge() > last_battery || task_ == Task::land) return;
-    tell_("battery nearly empty: landing", true);
+    report_("battery nearly empty: landing", true);
     place_ = body_.position();
     task_ = Task::land;
 }
@@ -150,7 +150,7 @@ Motors Flight::motors(double dt) {
 
 void Flight::end() {
     task_ = Task::hover;
-    tell_("done", false);
+    report_("done", false);
 }
 
 Motors Flight::by_task(double dt) {

@@ -58,9 +58,9 @@ public:
     static constexpr double low_battery = 0.2, last_battery = 0.1;
     static constexpr double input_lasts = 1;    // s, validity of an input of the sticks
 
-    /// `tell` sends a log line to the hosts; `is_bad`: a warning.
-    explicit Flight(const FlightSettings& settings, std::function<void(std::string_view, bool is_bad)> tell)
-        : settings_{settings}, tell_{std::move(tell)} {}
+    /// `report` sends a log line to the hosts; `is_bad`: a warning.
+    explicit Flight(const FlightSettings& settings, std::function<void(std::string_view, bool is_bad)> report)
+        : settings_{settings}, report_{std::move(report)} {}
 
     // Each returns false if the task is not possible now.
     bool unlock();
@@ -75,9 +75,9 @@ public:
     /// Whether it may be turned by hand for a calibration: it is on the ground and locked.
     bool may_be_turned() const noexcept { return safety() == Safety::locked; }
 
-    void hear(const Sticks& sticks) noexcept;
-    void hear_no_sticks() noexcept { sticks_age_ = input_lasts; }
-    void hear(const Steering& steering) noexcept;
+    void receive(const Sticks& sticks) noexcept;
+    void expire_sticks() noexcept { sticks_age_ = input_lasts; }
+    void receive(const Steering& steering) noexcept;
 
     void step(double dt, Noise& chance);
 
@@ -111,7 +111,7 @@ private:
     bool may_climb(double climb) const noexcept { return !body_.on_ground() || climb > 0.1; }
 
     const FlightSettings& settings_;
-    std::function<void(std::string_view, bool)> tell_;
+    std::function<void(std::string_view, bool)> report_;
     Body body_;
     Pilot pilot_;
     Battery battery_;

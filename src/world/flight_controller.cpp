@@ -18,10 +18,10 @@ FlightController::FlightController(const Settings& settings, TimePoint start)
 }
 
 void FlightController::add_streams() {
-    every(at_rate(hz()), [this] { say(inertial_.inertial(flight_.body().felt(), flight_.body().rates(), chance())); });
-    every(at_rate(hz()), [this] { say(euler_of(flight_.body().angles(), euler_signs(), chance())); });
-    every(at_rate(hz() / 2), [this] { say(inertial_.compass(flight_.body().attitude(), chance())); });
-    every(at_rate(hz() / 2), [this] { say(quaternion_of(flight_.body().attitude())); });
+    every(at_rate(hz()), [this] { emit(inertial_.inertial(flight_.body().felt(), flight_.body().rates(), chance())); });
+    every(at_rate(hz()), [this] { emit(euler_of(flight_.body().angles(), euler_signs(), chance())); });
+    every(at_rate(hz() / 2), [this] { emit(inertial_.compass(flight_.body().attitude(), chance())); });
+    every(at_rate(hz() / 2), [this] { emit(quaternion_of(flight_.body().attitude())); });
     every(at_rate(hz() / 2), [this] { altitude(); });
     every(at_rate(hz() / 2), [this] { movement(); });
     every(at_rate(hz() / 5), [this] { position(); });
@@ -33,7 +33,7 @@ void FlightController::add_streams() {
     every(at_rate(1), [this] { surroundings(); });
     every(at_rate(1), [this] { flexible(); });
     every(at_rate(TestPicture::frames), [this] {
-        if (pictures_ != 0) say(picture_.next());
+        if (pictures_ != 0) emit(picture_.next());
     });
 }
 
@@ -44,7 +44,7 @@ void FlightController::altitude() {
     fill<"alt_add">(draft, height + range_offset_ + 0.5 * chance().normal());
     fill<"alt_fu">(draft, height);
     fill<"alt_sta">(draft, 1);
-    say(draft);
+    emit(draft);
 }
 
 void FlightController::movement() {
@@ -53,7 +53,7 @@ void FlightController::movement() {
     fill<"speed_x">(draft, v.x);
     fill<"speed_y">(draft, v.y);
     fill<"speed_z">(draft, v.z);
-    say(draft);
+    emit(draft);
 }
 
 void FlightController::position() {
@@ -62,10 +62,10 @@ void FlightController::position() {
     fill<"pos_x">(draft, p.x);
     fill<"pos_y">(draft, p.y);
     fill<"pos_z">(draft, p.z);
-    say(draft);
+    emit(draft);
 }
 
-void FlightController::satellites() { say(satellites_.look(flight_.body().position(), flight_.body().velocity(), home_)); }
+void FlightController::satellites() { emit(satellites_.look(flight_.body().position(), flight_.body().velocity(), home_)); }
 
 void FlightController::mode() {
     const device::CommandId now = command_of(flight_.task());
@@ -75,7 +75,7 @@ void FlightController::mode() {
     fill<"cid">(draft, now[0]);
     fill<"cmd0">(draft, now[1]);
     fill<"cmd1">(draft, now[2]);
-    say(draft);
+    emit(draft);
 }
 
 void FlightController::targets() {
@@ -84,13 +84,13 @@ void FlightController::targets() {
     fill<"tar_rol">(attitude, a.roll / degree);
     fill<"tar_pit">(attitude, a.pitch / degree);
     fill<"tar_yaw">(attitude, a.yaw / degree);
-    say(attitude);
+    emit(attitude);
     const Vector v = 100 * flight_.pilot().aimed_velocity();
     Draft<"target_velocity"> velocity;
     fill<"tar_speed_x">(velocity, v.x);
     fill<"tar_speed_y">(velocity, v.y);
     fill<"tar_speed_z">(velocity, v.z);
-    say(velocity);
+    emit(velocity);
 }
 
 void FlightController::outputs() {
@@ -100,25 +100,25 @@ void FlightController::outputs() {
     fill<"pwm2">(draft, 100 * m[1]);
     fill<"pwm3">(draft, 100 * m[2]);
     fill<"pwm4">(draft, 100 * m[3]);
-    say(draft);
+    emit(draft);
 }
 
 void FlightController::health() {
     Draft<"power"> power;
     fill<"voltage">(power, flight_.battery().voltage());
     fill<"current">(power, flight_.battery().current());
-    say(power);
+    emit(power);
     Draft<"module_status"> modules;
     fill<"sta_g_vel">(modules, 2);
     fill<"sta_g_pos">(modules, 2);
     fill<"sta_gps">(modules, 3);
     fill<"sta_alt_add">(modules, 2);
-    say(modules);
+    emit(modules);
     const bool is_locked = flight_.safety() == Flight::Safety::locked;
     Draft<"rgb"> lights;
     fill<"bri_r">(lights, is_locked ? 10 : 0);
     fill<"bri_g">(lights, is_locked ? 0 : 10);
-    say(lights);
+    emit(lights);
 }
 
 void FlightController::surroundings() {
@@ -126,19 +126,19 @@ void FlightController::surroundings() {
     Draft<"wind"> wind;
     fill<"wind_x">(wind, w.x);
     fill<"wind_y">(wind, w.y);
-    say(wind);
+    emit(wind);
     const Vector from = flight_.offset();
     Draft<"return_home"> home;
     fill<"r_a">(home, wrapped(std::atan2(-from.y, -from.x)) / degree);
     fill<"r_d">(home, std::hypot(from.x, from.y));
-    say(home);
+    emit(home);
     const Scan points = scan_from(flight_.body().position(), flight_.body().angles().yaw);
     Draft<"ranging", "scan"> scan;
     static_cast<void>(scan.set<"points">(Bytes{points}));
-    say(scan);
+    emit(scan);
     Draft<"ranging"> down;
     fill<"dist">(down, 1000 * flight_.body().position().z);
-    say(down);
+    emit(down);
 }
 
 // As a layout: {"id": "0xF9", "fields": [{"name": "charge", "type": "u8", "unit": "%"}, {"name": "wind", "type": "f32", "unit":
@@ -146,7 +146,7 @@ void FlightController::surroundings() {
 void FlightController::flexible() {
     std::array<std::uint8_t, 5> data{static_cast<std::uint8_t>(std::lround(100 * flight_.battery().charge()))};
     store(data.data() + 1, static_cast<float>(flight_.wind().length()));
-    say_flexible(id_of<"flexible9">, data);
+    emit_flexible(id_of<"flexible9">, data);
 }
 
 // The sticks are 1000 to 2000 each; 0: no link.
@@ -154,14 +154,15 @@ void FlightController::heard(FrameView frame) {
     if (const auto m = as<"remote_control">(frame)) {
         const auto stick = [](int wire) { return std::clamp((wire - 1500) / 500.0, -1.0, 1.0); };
         const bool is_linked = m->get<"rol">() != 0 && m->get<"pit">() != 0 && m->get<"thr">() != 0 && m->get<"yaw">() != 0;
-        if (!is_linked) return flight_.hear_no_sticks();
-        flight_.hear(
+        if (!is_linked) return flight_.expire_sticks();
+        flight_.receive(
             Sticks{stick(m->get<"rol">()), stick(m->get<"pit">()), (stick(m->get<"thr">()) + 1) / 2, stick(m->get<"yaw">())});
     } else if (const auto c = as<"realtime_control">(frame)) {
-        flight_.hear(Steering{{c->get<"ctrl_rol">() * degree, c->get<"ctrl_pit">() * degree, 0},
-                              std::clamp(c->get<"ctrl_thr">() / 100, 0.0, 1.0),
-                              c->get<"ctrl_yaw_dps">() * degree,
-                              {c->get<"ctrl_spd_x">() / 100.0, c->get<"ctrl_spd_y">() / 100.0, c->get<"ctrl_spd_z">() / 100.0}});
+        flight_.receive(
+            Steering{{c->get<"ctrl_rol">() * degree, c->get<"ctrl_pit">() * degree, 0},
+                     std::clamp(c->get<"ctrl_thr">() / 100, 0.0, 1.0),
+                     c->get<"ctrl_yaw_dps">() * degree,
+                     {c->get<"ctrl_spd_x">() / 100.0, c->get<"ctrl_spd_y">() / 100.0, c->get<"ctrl_spd_z">() / 100.0}});
     }
 }
 

@@ -18,7 +18,7 @@ FlowSensor::FlowSensor(const Settings& settings, TimePoint start)
     every(at_rate(hz() / 2), [this] {
         Draft<"ranging"> down;
         fill<"dist">(down, 10.0 * height_ + 5 * chance().normal());
-        say(down);
+        emit(down);
     });
 }
 
@@ -40,13 +40,13 @@ void FlowSensor::flow() {
     fill<"dx_0">(raw, pixels * 0.02 * seen.x / height_);
     fill<"dy_0">(raw, pixels * 0.02 * seen.y / height_);
     fill<"quality">(raw, quality());
-    say(raw);
+    emit(raw);
     Draft<"optical_flow", "mode1"> fused;
     fill<"state">(fused, is_valid);
     fill<"dx_1">(fused, seen.x);
     fill<"dy_1">(fused, seen.y);
     fill<"quality">(fused, quality());
-    say(fused);
+    emit(fused);
     Draft<"optical_flow", "mode2"> with_inertia;
     fill<"state">(with_inertia, is_valid);
     fill<"dx_2">(with_inertia, seen.x);
@@ -56,7 +56,7 @@ void FlowSensor::flow() {
     fill<"integ_x">(with_inertia, wrapped_i16(way_.x));
     fill<"integ_y">(with_inertia, wrapped_i16(way_.y));
     fill<"quality">(with_inertia, quality());
-    say(with_inertia);
+    emit(with_inertia);
 }
 
 }    // namespace ano::world

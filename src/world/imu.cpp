@@ -10,14 +10,14 @@ Imu::Imu(const Settings& settings, TimePoint start)
     parameters.add("SIM_BAR_OFFSET", barometer_offset_, {.info = "what the barometer is off by, cm", .min = -1000, .max = 1000});
     inertial_.add_calibrations(parameters, hand_, hz(), {[] { return true; }, [this] { return store_values(); }});
     parameters.on_save([this] { return store_values(); });
-    every(at_rate(hz()), [this] { say(inertial_.inertial(body_.felt(), body_.rates(), chance())); });
-    every(at_rate(hz()), [this] { say(euler_of(body_.angles(), euler_signs(), chance())); });
-    every(at_rate(hz()), [this] { say(quaternion_of(body_.attitude())); });
-    every(at_rate(hz() / 2), [this] { say(inertial_.compass(body_.attitude(), chance())); });
+    every(at_rate(hz()), [this] { emit(inertial_.inertial(body_.felt(), body_.rates(), chance())); });
+    every(at_rate(hz()), [this] { emit(euler_of(body_.angles(), euler_signs(), chance())); });
+    every(at_rate(hz()), [this] { emit(quaternion_of(body_.attitude())); });
+    every(at_rate(hz() / 2), [this] { emit(inertial_.compass(body_.attitude(), chance())); });
     every(at_rate(hz() / 5), [this] {
         Draft<"altitude"> altitude;
         fill<"alt_bar">(altitude, barometer_offset_ + 5 * chance().normal());
-        say(altitude);
+        emit(altitude);
     });
 }
 

@@ -22,7 +22,7 @@ Radio::Radio(const Settings& settings, TimePoint start)
         Draft<"power"> power;
         fill<"voltage">(power, 5.02 + 0.01 * chance().normal());
         fill<"current">(power, 0.2 + 0.02 * power_);
-        say(power);
+        emit(power);
     });
 }
 
@@ -43,7 +43,7 @@ void Radio::figures() {
     const double lost = 100 / (1 + std::exp(above - 8));
     const std::array<std::uint8_t, 3> data{as_i8(strength_), as_i8(noise_floor + chance().normal()),
                                            static_cast<std::uint8_t>(std::lround(lost))};
-    say_flexible(id_of<"flexible10">, data);
+    emit_flexible(id_of<"flexible10">, data);
     const bool is_poor = strength_ < poor;
     if (is_poor && !was_poor_) device().log(static_cast<float>(strength_), "dBm: the link is poor");
     was_poor_ = is_poor;

@@ -83,7 +83,7 @@ void SimulatedDevice::run(TimePoint now, const Send& send) {
             device_.run(*answer);
         } else if (next <= now) {
             now_ = next;
-            take_step();
+            run_step();
         } else {
             break;
         }
@@ -98,13 +98,13 @@ void SimulatedDevice::notice_pause(TimePoint now) noexcept {
     if (now - last > max_pause) start_ += (now - last) / step * Duration{step} - Duration{step};
 }
 
-void SimulatedDevice::take_step() {
+void SimulatedDevice::run_step() {
     ++steps_;
     advance();
     const Duration world = static_cast<std::int64_t>(steps_) * Duration{step};
     for (Stream& stream : streams_) {
         if (world < stream.next) continue;
-        stream.say();
+        stream.emit();
         stream.next = std::max(stream.next, Duration{step}) + stream.period;
     }
 }
@@ -117,12 +117,12 @@ TimePoint SimulatedDevice::due() const noexcept {
     Duration next = Duration::max();
     for (const Stream& stream : streams_) next = std::min(next, stream.next);
     const auto steps = static_cast<std::uint64_t>((next + Duration{step} - Duration{1}) / step);
-    const TimePoint said = time_of_step(std::max(steps, steps_ + 1));
+    const TimePoint next_step = time_of_step(std::max(steps, steps_ + 1));
     const auto answer = device_.due();
-    return answer ? std::min(said, *answer) : said;
+    return answer ? std::min(next_step, *answer) : next_step;
 }
 
-void SimulatedDevice::say_flexible(std::uint8_t id, std::span<const std::uint8_t> data) {
+void SimulatedDevice::emit_flexible(std::uint8_t id, std::span<const std::uint8_t> data) {
     std::array<std::uint8_t, overhead + device::max_sent> frame;
     const std::size_t size = encode(frame, device_.info().id, address::host, id, data);
     if (size != 0) (*send_)(FrameView{std::span{frame}.first(size)}, now_);

@@ -67,19 +67,19 @@ protected:
     Noise& chance() noexcept { return chance_; }
     EulerSigns euler_signs() const noexcept { return euler_; }
 
-    /// Calls `say` once in every `period`, first with the first step.
-    void every(Duration period, std::function<void()> say) { streams_.push_back({period, Duration::zero(), std::move(say)}); }
+    /// Calls `emit` once in every `period`, first with the first step.
+    void every(Duration period, std::function<void()> emit) { streams_.push_back({period, Duration::zero(), std::move(emit)}); }
     /// The period of a rate of `hz` per second; 0 counts as 1.
     static Duration at_rate(unsigned hz) noexcept { return Duration{std::chrono::seconds{1}} / std::max(hz, 1u); }
     /// Sends a message to the hosts; to be called in advance(), in heard() and in functions passed to every().
     template <Name M, Name Label>
-    void say(const Draft<M, Label>& draft) {
+    void emit(const Draft<M, Label>& draft) {
         std::array<std::uint8_t, overhead + device::max_sent> frame;
         const std::size_t size = draft.encode(frame, device_.info().id, address::host);
         if (size != 0) (*send_)(FrameView{std::span{frame}.first(size)}, now_);
     }
     /// Sends a flexible message.
-    void say_flexible(std::uint8_t id, std::span<const std::uint8_t> data);
+    void emit_flexible(std::uint8_t id, std::span<const std::uint8_t> data);
 
     /// Stores the values of all parameters, like a device in its flash; returns true.
     bool store_values();
@@ -93,10 +93,10 @@ protected:
 private:
     struct Stream {
         Duration period, next;
-        std::function<void()> say;
+        std::function<void()> emit;
     };
     TimePoint time_of_step(std::uint64_t n) const noexcept { return start_ + static_cast<std::int64_t>(n) * Duration{step}; }
-    void take_step();
+    void run_step();
     void allow_images();
     void let_go(TimePoint at);
     bool is_ours(FrameView frame) const noexcept;

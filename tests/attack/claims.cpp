@@ -25,7 +25,7 @@ Bytes command(std::uint8_t n) { return frame(0xFE, 0xDC, 0xC0, {16, 1, n}); }
 class LogLines {
 public:
     LogLines() {
-        auto logger = std::make_shared<spdlog::logger>("told", std::make_shared<spdlog::sinks::ostream_sink_st>(told_));
+        auto logger = std::make_shared<spdlog::logger>("told", std::make_shared<spdlog::sinks::ostream_sink_st>(log_));
         logger->set_pattern("%v");
         logger->set_level(spdlog::level::warn);
         spdlog::set_default_logger(std::move(logger));
@@ -35,8 +35,8 @@ public:
     LogLines& operator=(const LogLines&) = delete;
     /// Returns the lines since the last call, without those about a busy machine.
     std::string take() const {
-        std::istringstream told{told_.str()};
-        told_.str({});
+        std::istringstream told{log_.str()};
+        log_.str({});
         std::string lines;
         for (std::string line; std::getline(told, line);)
             if (!line.starts_with("stalled for ")) lines += line + '\n';
@@ -45,7 +45,7 @@ public:
 
 private:
     std::shared_ptr<spdlog::logger> before_ = spdlog::default_logger();
-    mutable std::ostringstream told_;
+    mutable std::ostringstream log_;
 };
 
 class Claims : public testing::Test {
@@ -57,9 +57,9 @@ protected:
             daemon.until([&] { return daemon.count("air", "frames_in") == 1 && daemon.count("ground", "frames_in") == 1; }));
     }
     /// `from` sends the frame to the ground link; true: it was routed.
-    bool say(UdpPeer& from, const Bytes& bytes) { return said(from, "ground", bytes); }
-    bool device_says(const Bytes& bytes) { return said(fc, "air", bytes); }
-    bool said(UdpPeer& from, const std::string& link, const Bytes& bytes) {
+    bool send(UdpPeer& from, const Bytes& bytes) { return send_on_link(from, "ground", bytes); }
+    bool send_from_device(const Bytes& bytes) { return send_on_link(fc, "air", bytes); }
+    bool send_on_link(UdpPeer& from, const std::string& link, const Bytes& bytes) {
         const auto before = daemon.count(link, "bytes_in");
         from.send(daemon.port(link), bytes);
         return daemon.until([&] { return daemon.count(link, "bytes_in") >= before + bytes.size(); });
@@ -91,7 +91,7 @@ protected:
 
 TEST_F(Claims, quiet_device_keeps_its_address) {
     for (std::uint8_t n = 0; n < 40; ++n) {
-        ASSERT_TRUE(say(attacker, broadcast(100 + n)) && say(pilot, command(n)));
+        ASSERT_TRUE(send(attacker, broadcast(100 + n)) && send(pilot, command(n)));
         answer();
     }
     ASSERT_TRUE(daemon.until([&] {
@@ -109,7 +109,7 @@ TEST_F(Claims, quiet_device_keeps_its_address) {
 }
 
 TEST_F(Claims, attacker_on_the_link_of_the_device_receives_no_commands_either) {
-    ASSERT_TRUE(said(attacker, "air", broadcast(1)) && say(pilot, command(1)));
+    ASSERT_TRUE(send_on_link(attacker, "air", broadcast(1)) && send(pilot, command(1)));
     ASSERT_TRUE(daemon.until([&] {
         answer();
         return count(fc, 0xC0) == 1 && !conflict().is_null();
@@ -126,9 +126,9 @@ TEST_F(Claims, sender_that_repeats_a_device_from_new_ports_receives_none_of_its_
     for (std::uint8_t n = 0; n < 70; ++n) {
         if (n % 7 == 0) {
             ports.push_back(std::make_unique<UdpPeer>());
-            ASSERT_TRUE(say(*ports.back(), broadcast(200)));
+            ASSERT_TRUE(send(*ports.back(), broadcast(200)));
         }
-        ASSERT_TRUE(device_says(broadcast(200)) && say(pilot, command(n)));
+        ASSERT_TRUE(send_from_device(broadcast(200)) && send(pilot, command(n)));
     }
     ASSERT_TRUE(daemon.until([&] { return count(fc, 0xC0) == 70 && count(pilot, 0x03) >= 70; }))
         << count(fc, 0xC0) << ' ' << count(pilot, 0x03);
@@ -139,29 +139,29 @@ TEST_F(Claims, sender_that_repeats_a_device_from_new_ports_receives_none_of_its_
 
 // The attacker sent the frame first; the device's own is forwarded, and the device answers no question.
 TEST_F(Claims, device_frame_that_an_attacker_sent_first_still_counts_as_a_sign_of_life) {
-    ASSERT_TRUE(say(attacker, broadcast(200)) && device_says(broadcast(200)));
+    ASSERT_TRUE(send(attacker, broadcast(200)) && send_from_device(broadcast(200)));
     EXPECT_EQ(daemon.count("air", "looped"), 0u);
     EXPECT_GE(conflict().at("count"), 1);
     EXPECT_EQ(daemon.route("0xDC").at("links"), nlohmann::json{"air"});
 }
 
 TEST_F(Claims, copy_that_a_loop_may_have_caused_is_not_a_claim) {
-    ASSERT_TRUE(say(attacker, vendor::who_are_you) && device_says(broadcast(200)) && say(attacker, broadcast(200)));
+    ASSERT_TRUE(send(attacker, vendor::who_are_you) && send_from_device(broadcast(200)) && send(attacker, broadcast(200)));
     EXPECT_EQ(daemon.count("ground", "looped"), 0u);
     EXPECT_EQ(questions(), 0u);
-    ASSERT_TRUE(device_says(broadcast(201)));
+    ASSERT_TRUE(send_from_device(broadcast(201)));
     EXPECT_TRUE(daemon.status().at("conflicts").empty());
 }
 
 TEST_F(Claims, device_that_reappears_elsewhere_is_reached_after_it_stays_silent_on_its_old_link) {
     UdpPeer elsewhere;
-    ASSERT_TRUE(say(elsewhere, broadcast(1)));
+    ASSERT_TRUE(send(elsewhere, broadcast(1)));
     const auto begin = anogate::Clock::now();
     ASSERT_TRUE(daemon.until([&] { return daemon.route("0xDC").at("links") == nlohmann::json{"ground"}; }));
     const auto took = anogate::Clock::now() - begin;
     EXPECT_GE(took, 2900ms);
     EXPECT_EQ(questions(), 3u);
-    ASSERT_TRUE(say(pilot, command(1)));
+    ASSERT_TRUE(send(pilot, command(1)));
     EXPECT_TRUE(daemon.until([&] { return count(elsewhere, 0xC0) == 1; }));
     EXPECT_EQ(count(fc, 0xC0), 0u);
     EXPECT_TRUE(daemon.status().at("conflicts").empty());
@@ -169,7 +169,7 @@ TEST_F(Claims, device_that_reappears_elsewhere_is_reached_after_it_stays_silent_
 
 TEST_F(Claims, conflict_is_logged_once_with_the_claiming_sender) {
     const LogLines log;
-    for (std::uint8_t n = 0; n < 5; ++n) EXPECT_TRUE(say(attacker, broadcast(100 + n)) && device_says(broadcast(n)));
+    for (std::uint8_t n = 0; n < 5; ++n) EXPECT_TRUE(send(attacker, broadcast(100 + n)) && send_from_device(broadcast(n)));
     EXPECT_EQ(log.take(), "0xDC is seen on ground and air, claimed by ground (" + attacker.local().text() +
                               "): if these are two devices, change the id of one; or pin it: --route 0xDC=LINK\n");
 }
@@ -177,14 +177,14 @@ TEST_F(Claims, conflict_is_logged_once_with_the_claiming_sender) {
 // It answers no question, so it loses its address, but with a log line.
 TEST_F(Claims, device_that_does_not_answer_loses_its_address_with_a_log_line) {
     const LogLines log;
-    ASSERT_TRUE(say(attacker, broadcast(1)));
+    ASSERT_TRUE(send(attacker, broadcast(1)));
     EXPECT_FALSE(daemon.route("0xDC").contains("moved_from"));
     ASSERT_TRUE(daemon.until([&] { return daemon.route("0xDC").at("links") == nlohmann::json{"ground"}; }));
     EXPECT_EQ(daemon.route("0xDC").at("moved_from"), nlohmann::json{"air"});
     EXPECT_EQ(log.take(),
               "0xDC moved from air to ground: frames for it now go there. If the device is not connected there, pin it: "
               "--route 0xDC=air\n");
-    ASSERT_TRUE(device_says(broadcast(2)));
+    ASSERT_TRUE(send_from_device(broadcast(2)));
     ASSERT_TRUE(daemon.until([&] { return daemon.route("0xDC").at("links") == nlohmann::json{"air"}; }));
     EXPECT_FALSE(daemon.route("0xDC").contains("moved_from"));
     EXPECT_NE(log.take().find("0xDC moved from ground to air"), std::string::npos);
@@ -192,7 +192,8 @@ TEST_F(Claims, device_that_does_not_answer_loses_its_address_with_a_log_line) {
 
 TEST_F(Claims, host_is_reached_at_once_wherever_it_sends_from) {
     UdpPeer second;
-    ASSERT_TRUE(said(second, "air", frame(0xFE, 0xFF, 0xC1, {0, 0, 0})) && device_says(frame(0xDC, 0xFE, 0xE3, Bytes(15, 1))));
+    ASSERT_TRUE(send_on_link(second, "air", frame(0xFE, 0xFF, 0xC1, {0, 0, 0})) &&
+                send_from_device(frame(0xDC, 0xFE, 0xE3, Bytes(15, 1))));
     EXPECT_TRUE(daemon.until([&] { return count(second, 0xE3) == 1 && count(pilot, 0xE3) == 1; }));
     EXPECT_EQ(questions(), 0u);
     EXPECT_TRUE(daemon.status().at("conflicts").empty());

@@ -274,10 +274,10 @@ class LostVehicle : public testing::TestWithParam<const char*> {
 protected:
     void SetUp() override {
         ASSERT_TRUE(daemon.until_answers());
-        for (int i = 0; i < 3; ++i) say(vehicle, "air", 2);
+        for (int i = 0; i < 3; ++i) send(vehicle, "air", 2);
         ASSERT_TRUE(daemon.until([&](const json&) { return lost().size() == 1; }));
     }
-    void say(UdpPeer& from, const std::string& link, std::uint8_t state) {
+    void send(UdpPeer& from, const std::string& link, std::uint8_t state) {
         auto to = from.local();
         to.port = daemon.port(link);
         from.send(to, frame(0xDC, 0xFF, 0x06, {1, state, 0, 0, 0}));
@@ -286,7 +286,7 @@ protected:
     json lost_while_it_sends(UdpPeer& who, const std::string& link) {
         json all;
         daemon.until([&](const json&) {
-            say(who, link, 1);
+            send(who, link, 1);
             all = lost();
             return all.empty() || all.at(0).contains("elsewhere");
         });
@@ -314,7 +314,7 @@ TEST_P(LostVehicle, stays_lost_while_a_stranger_sends_with_its_address) {
                           ", but was last seen on air (127.0.0.2): this may be another device, so it stays lost. If it is "
                           "the same device: anoctl routes --forget 0xDC\n"))
         << daemon.output();
-    say(vehicle, "air", 2);
+    send(vehicle, "air", 2);
     EXPECT_TRUE(daemon.until([&](const json&) { return lost().empty(); })) << "it is back";
 }
 
@@ -322,7 +322,7 @@ TEST_P(LostVehicle, is_recognized_at_its_new_address_once_the_user_forgets_its_r
     ASSERT_EQ(lost_while_it_sends(stranger, GetParam()).size(), 1u);
     EXPECT_EQ(asked(socket, "DELETE", "/routes/0xDC").status, 200u);
     EXPECT_TRUE(lost_while_it_sends(stranger, GetParam()).empty());
-    for (int i = 0; i < 3; ++i) say(stranger, GetParam(), 2);
+    for (int i = 0; i < 3; ++i) send(stranger, GetParam(), 2);
     ASSERT_TRUE(daemon.until([&](const json&) { return lost().size() == 1; }));
     EXPECT_FALSE(lost().at(0).contains("elsewhere"));
 }

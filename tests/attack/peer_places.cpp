@@ -169,18 +169,18 @@ TEST(LocalPeers, one_seen_once_does_not_replace_one_seen_again) {
     link.as<anogate::UdpListenSettings>().max_peers = 2;
     RunningGateway daemon{link};
     UdpPeer first, second;
-    const auto say = [&](UdpPeer& peer) { peer.send(daemon.port("ground"), vendor::who_are_you); };
-    say(first);
-    say(second);
+    const auto send = [&](UdpPeer& peer) { peer.send(daemon.port("ground"), vendor::who_are_you); };
+    send(first);
+    send(second);
     ASSERT_TRUE(daemon.until([&] { return daemon.count("ground", "frames_in") == 2; }));
     daemon.run_for(1s);
-    say(first);
-    say(second);
+    send(first);
+    send(second);
     ASSERT_TRUE(daemon.until([&] { return daemon.count("ground", "frames_in") == 4; }));
     std::vector<std::unique_ptr<UdpPeer>> strangers;
     for (int i = 0; i < 20; ++i) {
         strangers.push_back(std::make_unique<UdpPeer>());
-        say(*strangers.back());
+        send(*strangers.back());
     }
     ASSERT_TRUE(daemon.until([&] { return daemon.count("ground", "denied_in") == 20; }));
     std::vector<std::string> there;

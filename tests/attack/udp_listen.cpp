@@ -96,8 +96,8 @@ public:
         return false;
     }
 
-    void fc_says(const Bytes& bytes) { fc_->send(gateway_->port("air"), bytes); }
-    void pilot_says(const Bytes& bytes) { pilot_->send(gateway_->port("ground"), bytes); }
+    void send_from_fc(const Bytes& bytes) { fc_->send(gateway_->port("air"), bytes); }
+    void send_from_pilot(const Bytes& bytes) { pilot_->send(gateway_->port("ground"), bytes); }
     /// Its loop runs in the namespace of its interfaces.
     void turn() {
         const Inside inside{space_};
@@ -137,8 +137,8 @@ protected:
         one = std::make_unique<Vehicle>(*here, "10.0.0.1", std::vector{udp_listen("ground", "0.0.0.0:0")});
         two = std::make_unique<Vehicle>(*there, "10.0.0.2", std::vector{udp_listen("ground", "0.0.0.0:0")});
         for (Vehicle* vehicle : {one.get(), two.get()}) {
-            vehicle->fc_says(telemetry(vehicle == one.get() ? 0xDC : 0xDD, 0));
-            vehicle->pilot_says(frame(0xFE, 0x30, 0xE0, {1, 0, 0}));
+            vehicle->send_from_fc(telemetry(vehicle == one.get() ? 0xDC : 0xDD, 0));
+            vehicle->send_from_pilot(frame(0xFE, 0x30, 0xE0, {1, 0, 0}));
         }
         ASSERT_TRUE(
             until([&] { return one->peers("air") == 1 && two->peers("air") == 1 && one->peers() == 1 && two->peers() == 1; }));
@@ -168,11 +168,11 @@ protected:
     // The scenario of the figures: 79 commands of the first operator, while both vehicles send.
     void fly() {
         for (std::uint8_t n = 0; n < 79; ++n) {
-            one->pilot_says(command(n % 2 == 0 ? 0xFF : 0xDD, n, 1));
-            two->pilot_says(command(n % 2 == 0 ? 0xFF : 0xDC, n, 2));
+            one->send_from_pilot(command(n % 2 == 0 ? 0xFF : 0xDD, n, 1));
+            two->send_from_pilot(command(n % 2 == 0 ? 0xFF : 0xDC, n, 2));
             turn();
-            one->fc_says(telemetry(0xDC, n));
-            two->fc_says(telemetry(0xDD, n));
+            one->send_from_fc(telemetry(0xDC, n));
+            two->send_from_fc(telemetry(0xDD, n));
             turn();
         }
         settle();
@@ -223,8 +223,8 @@ TEST_F(TwoVehicles, are_not_joined_by_a_thousand_forged_frames) {
         for (int k = 0; k < 10; ++k) forge_from_one(frame(0xFE, 0xFF, 0xE0, {0, 0, 0}));
         turn();
         if (i % 10 != 0) continue;
-        one->pilot_says(command(0xFF, static_cast<std::uint8_t>(i), 1));
-        two->pilot_says(command(0xFF, static_cast<std::uint8_t>(i), 2));
+        one->send_from_pilot(command(0xFF, static_cast<std::uint8_t>(i), 1));
+        two->send_from_pilot(command(0xFF, static_cast<std::uint8_t>(i), 2));
     }
     settle();
     EXPECT_EQ(one->carried_out(0xC0, 1), 10u);
@@ -238,7 +238,7 @@ TEST_F(TwoVehicles, the_very_first_command_is_carried_out_only_by_the_vehicle_it
     start();
     forge_from_one(frame(0xFE, 0xFF, 0xE0, {0, 0, 0}));
     ASSERT_TRUE(until([&] { return two->has_peer(one->ground()); }));
-    two->pilot_says(command(0xFF, 1));
+    two->send_from_pilot(command(0xFF, 1));
     ASSERT_TRUE(until([&] { return two->carried_out(0xC0) == 1; }));
     ASSERT_TRUE(until([&] { return !two->has_peer(one->ground()); }));
     settle();
@@ -310,14 +310,14 @@ TEST_F(TwoVehicles, are_joined_on_purpose_with_a_udp_link) {
     two = std::make_unique<Vehicle>(*there, "10.0.0.2", std::vector{udp_listen("ground", "0.0.0.0:0")});
     one = std::make_unique<Vehicle>(*here, "10.0.0.1",
                                     std::vector{udp("join", two->ground().text()), udp_listen("ground", "0.0.0.0:0")});
-    one->fc_says(telemetry(0xDC, 0));
-    two->fc_says(telemetry(0xDD, 0));
+    one->send_from_fc(telemetry(0xDC, 0));
+    two->send_from_fc(telemetry(0xDD, 0));
     ASSERT_TRUE(until([&] { return two->peers() == 1 && one->peers("air") == 1; }));
     for (std::uint8_t n = 0; n < 79; ++n) {
-        one->pilot_says(command(0xDD, n));
+        one->send_from_pilot(command(0xDD, n));
         turn();
-        one->fc_says(telemetry(0xDC, n));
-        two->fc_says(telemetry(0xDD, n));
+        one->send_from_fc(telemetry(0xDC, n));
+        two->send_from_fc(telemetry(0xDD, n));
         turn();
     }
     EXPECT_TRUE(until([&] { return two->carried_out(0xC0) == 79; })) << two->carried_out(0xC0);
@@ -354,12 +354,12 @@ TEST_F(Attack, strangers_displace_no_peer) {
         hosts.back()->send(vehicle.ground(), vendor::who_are_you);
     }
     ASSERT_TRUE(until([&] { return vehicle.peers() == 16; }));
-    vehicle.fc_says(telemetry(0xDC, 0));
+    vehicle.send_from_fc(telemetry(0xDC, 0));
     ASSERT_TRUE(until([&] { return vehicle.peers("air") == 1; }));
     for (auto& host : hosts) host->forget();
     for (std::uint8_t n = 0; n < 50; ++n) {
         for (int i = 0; i < 20; ++i) UdpPeer{"10.0.0.2:0"}.send(vehicle.ground(), vendor::who_are_you);
-        vehicle.fc_says(telemetry(0xDC, n));
+        vehicle.send_from_fc(telemetry(0xDC, n));
         vehicle.turn();
     }
     ASSERT_TRUE(until([&] {
@@ -399,7 +399,7 @@ protected:
     void stream(int frames) {
         const auto before = vehicle->gateway().count("air", "frames_in");
         for (int n = 0; n < frames; ++n) {
-            vehicle->fc_says(telemetry(0xDC, static_cast<std::uint8_t>(n)));
+            vehicle->send_from_fc(telemetry(0xDC, static_cast<std::uint8_t>(n)));
             vehicle->turn();
         }
         ASSERT_TRUE(
@@ -435,7 +435,7 @@ TEST_F(Reflector, a_device_that_answers_the_requests_of_the_gateway_receives_all
         return answers == 2;
     }));
     ASSERT_TRUE(until([&] {
-        vehicle->fc_says(telemetry(0xDC, 0));
+        vehicle->send_from_fc(telemetry(0xDC, 0));
         return split(victim->heard()).frames.size() > read + 20;
     }));
     victim->forget();

@@ -61,7 +61,7 @@ void DeviceLine::run() {
     while (!stop_) {
         if (Clock::now() >= hello_at && there_.bytes == 0) {
             hello_at = Clock::now() + between_hellos;
-            say_hello();
+            send_hello();
         }
         const auto next = std::min(events_.empty() ? Clock::time_point::max() : events_.begin()->first, Clock::now() + 20ms);
         const auto left = std::max<Clock::duration>(next - Clock::now(), 0ns);
@@ -77,7 +77,7 @@ void DeviceLine::run() {
     }
 }
 
-void DeviceLine::say_hello() {
+void DeviceLine::send_hello() {
     if (other_end_ >= 0) arrive({false, support::frame(fake_.address, 0xFF, 0x01, support::Bytes(13))});
 }
 

@@ -47,7 +47,7 @@ private:
     void read();
     void put(bool to_device, const support::Bytes& frame);
     void arrive(const Event& event);
-    void say_hello();
+    void send_hello();
 
     support::LineFaults faults_;
     support::FakeDevice fake_;

@@ -34,7 +34,7 @@ public:
     struct Percentiles {
         double urgent, telemetry;
     };
-    Percentiles take_98() {
+    Percentiles pop_percentiles() {
         const std::scoped_lock lock{mutex_};
         return {quantile(std::exchange(urgent_, {}), 0.98), quantile(std::exchange(telemetry_, {}), 0.98)};
     }
@@ -75,7 +75,7 @@ void measure_line(Run& run) {
     std::atomic<bool> stop{false};
     std::thread sender{[&] { offer(socket, stop); }};
     std::this_thread::sleep_for(1s);
-    ages.take_98();
+    ages.pop_percentiles();
     std::vector<double> urgent_98, telemetry_98, used;
     for (int round = 0; round < rounds; ++round) {
         const SlowLine::Count before = line.count();
@@ -83,7 +83,7 @@ void measure_line(Run& run) {
         const SlowLine::Count after = line.count();
         used.push_back(100 * static_cast<double>(after.carried - before.carried) /
                        static_cast<double>(after.possible - before.possible));
-        const Ages::Percentiles age = ages.take_98();
+        const Ages::Percentiles age = ages.pop_percentiles();
         urgent_98.push_back(age.urgent);
         telemetry_98.push_back(age.telemetry);
     }

@@ -39,7 +39,7 @@ std::string headers(std::uint16_t port, const std::string& token) {
     return all;
 }
 
-void say(int fd, const std::string& words) {
+void send(int fd, const std::string& words) {
     must(fd >= 0 && ::send(fd, words.data(), words.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(words.size()), "a request");
 }
 
@@ -47,14 +47,14 @@ void say(int fd, const std::string& words) {
 
 PageReader::PageReader(std::uint16_t port, const std::string& token)
     : headers_{headers(port, token)}, frames_{support::connect_tcp(port)}, requests_{support::connect_tcp(port)} {
-    say(frames_, "GET /frames?format=binary&batch=100ms&from=48&id=241&direction=in" + headers_ +
-                     "Connection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\n"
-                     "Sec-WebSocket-Key: MDEyMzQ1Njc4OWFiY2RlZg==\r\n\r\n");
+    send(frames_, "GET /frames?format=binary&batch=100ms&from=48&id=241&direction=in" + headers_ +
+                      "Connection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\n"
+                      "Sec-WebSocket-Key: MDEyMzQ1Njc4OWFiY2RlZg==\r\n\r\n");
     std::array<char, 12> status{};
     must(::recv(frames_, status.data(), status.size(), MSG_WAITALL) == static_cast<ssize_t>(status.size()) &&
              std::string{status.data(), status.size()} == "HTTP/1.1 101",
          "a WebSocket");
-    listens_ = std::thread{[this] { take_frames(); }};
+    listens_ = std::thread{[this] { read_frames(); }};
     asks_ = std::thread{[this] { ask_for_more(); }};
 }
 
@@ -67,7 +67,7 @@ PageReader::~PageReader() {
     ::close(frames_);
 }
 
-void PageReader::take_frames() {
+void PageReader::read_frames() {
     std::vector<char> room(1 << 20);
     while (!stop_ && ::read(frames_, room.data(), room.size()) > 0) heard_at_ = steady_clock::now();
 }
@@ -89,7 +89,7 @@ void PageReader::ask_for_more() {
 }
 
 void PageReader::ask(std::string_view path) {
-    say(requests_, "GET " + std::string{path} + headers_ + "Connection: keep-alive\r\n\r\n");
+    send(requests_, "GET " + std::string{path} + headers_ + "Connection: keep-alive\r\n\r\n");
     std::string answer;
     std::size_t size = std::string::npos;
     std::array<char, 64 * 1024> room;

@@ -20,7 +20,7 @@ public:
 
 private:
     using Time = std::chrono::steady_clock::time_point;
-    void take_frames();
+    void read_frames();
     void ask_for_more();
     void ask(std::string_view path);
 

@@ -78,7 +78,7 @@ void read(std::string_view file, Take&& take) {
     constexpr std::size_t piece = 256 * 1024;
     const auto reader = anogate::make_recording_reader(file);
     for (; !file.empty(); file.remove_prefix(std::min(piece, file.size()))) {
-        reader->give(file.substr(0, piece));
+        reader->feed(file.substr(0, piece));
         while (const auto item = reader->next())
             if (const auto* frame = std::get_if<RecordedFrame>(&*item)) take(*frame);
     }

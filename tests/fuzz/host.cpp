@@ -48,11 +48,11 @@ struct Host {
     }
     void answer() {
         if (last.empty()) return;
-        for (const support::Bytes& answer : fake.take(ano::FrameView{last})) hear(answer);
+        for (const support::Bytes& answer : fake.take(ano::FrameView{last})) receive(answer);
     }
-    void hear(const support::Bytes& frame) {
+    void receive(const support::Bytes& frame) {
         device.take(ano::FrameView{frame}, now);
-        if (calibration != nullptr) calibration->hear(ano::FrameView{frame}, now);
+        if (calibration != nullptr) calibration->receive(ano::FrameView{frame}, now);
     }
     std::unique_ptr<ano::host::Task> begin(std::uint8_t kind) {
         if (kind % 8 != 7) return support::task_of(kind, device, now);
@@ -85,7 +85,7 @@ struct Host {
         const std::size_t size = std::min<std::size_t>(in[2], in.size() - 3);
         const support::Bytes frame = support::frame(0xDC, 0xFE, in[1],
                                                     {in.begin() + 3, in.begin() + 3 + static_cast<std::ptrdiff_t>(size)});
-        hear(frame);
+        receive(frame);
         return in.subspan(3 + size);
     }
 };

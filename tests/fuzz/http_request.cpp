@@ -58,7 +58,7 @@ Read read(std::string_view bytes, std::size_t step) {
     }
     if (reader.fault()) return {0, {}, reader.fault()->words, reader.fault()->status};
     if (!reader.is_done()) return {};
-    Request request = reader.take();
+    Request request = reader.pop_request();
     require(request.body.size() <= 256);
     result.request = request.method + " " + request.target + "\n" + request.body;
     const Response response = routes().answer(std::move(request));

@@ -17,7 +17,7 @@ void require(bool holds) {
 
 std::string repaired(std::string_view file) {
     anogate::RecordingRepair repair{anogate::RecordingFormat::mcap};
-    repair.give(file);
+    repair.feed(file);
     const auto result = repair.finish();
     require(result.keep <= file.size());
     if (!result.is_recording) return {};

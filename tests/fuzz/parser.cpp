@@ -51,7 +51,7 @@ private:
         text_.remove_prefix(1);
         switch (c) {
         case '\n':
-            datagram_ ? both.put_datagram(line_) : both.put(line_);
+            datagram_ ? both.feed_datagram(line_) : both.put(line_);
             line_.clear();
             open_.clear();
             datagram_ = false;

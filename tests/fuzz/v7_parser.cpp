@@ -42,7 +42,7 @@ void step(support::BothV7Parsers& both, Rest& rest) {
         std::array<std::uint8_t, ano::v7::max_frame_size> frame{};
         return both.put(std::span{frame}.first(ano::v7::encode(frame, destination, id, take(rest, n))));
     }
-    case 4: return both.put_datagram(take(rest, take_byte(rest)));
+    case 4: return both.feed_datagram(take(rest, take_byte(rest)));
     case 5: both.now += std::chrono::milliseconds{take_byte(rest)}; return;
     case 6: return both.expire();
     case 7: return both.finish();

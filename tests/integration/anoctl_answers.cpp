@@ -220,16 +220,16 @@ TEST_F(AnoctlAnswers, files_are_replaced_only_after_confirmation) {
         const Ran refused = anoctl(command);
         EXPECT_EQ(refused.exit, 2) << refused.output;
         EXPECT_TRUE(contains(refused.output, file + " already exists")) << refused.output;
-        EXPECT_EQ(text_of(file), "old");
+        EXPECT_EQ(file_text(file), "old");
         command.emplace_back("--yes");
         EXPECT_EQ(anoctl(command).exit, 0);
-        EXPECT_NE(text_of(file), "old");
+        EXPECT_NE(file_text(file), "old");
     }
     const std::string link = dir / "link.json";
     std::filesystem::create_symlink(dir.write("behind.json", "old"), link);
     EXPECT_EQ(anoctl({"param", "export", link, "--yes"}).exit, 0);
     EXPECT_TRUE(std::filesystem::is_symlink(link));
-    EXPECT_NE(text_of(dir / "behind.json"), "old");
+    EXPECT_NE(file_text(dir / "behind.json"), "old");
     const Ran csv = anoctl({"param", "export", dir / "new.csv"}), kml = anoctl({"waypoint", "get", dir / "new.kml"});
     EXPECT_EQ(csv.exit, 2);
     EXPECT_TRUE(contains(csv.output, "'.csv' is not a supported parameter file format; use .json")) << csv.output;
@@ -262,7 +262,7 @@ TEST_F(AnoctlOtherDevice, with_inf_and_nan_values_is_listed_exported_and_compare
     EXPECT_TRUE(contains(asked({"param", "list"}).output, "f32   nan\n"));
     const Ran exported = asked({"param", "export", dir / "f.json"});
     EXPECT_TRUE(contains(exported.output, "inf and nan are stored as null, which import skips: A, B\n")) << exported.output;
-    EXPECT_TRUE(json::parse(text_of(dir / "f.json")).at("parameters").at("A").is_null());
+    EXPECT_TRUE(json::parse(file_text(dir / "f.json")).at("parameters").at("A").is_null());
     const Ran diff = asked({"param", "diff", dir / "f.json"});
     EXPECT_EQ(diff.exit, 0) << diff.output;
     EXPECT_TRUE(contains(diff.output, "no value in the file: A, B\n")) << diff.output;
@@ -275,9 +275,9 @@ TEST_F(AnoctlOtherDevice, with_control_characters_in_names_has_a_backup_without_
                        {8, "SAME", "", value},           {8, "SAME", "", value},           {8, "\xE5\x90\x8D", "", value}};
     const std::string file = dir / "f.json";
     ASSERT_EQ(asked({"param", "export", file}).exit, 0);
-    EXPECT_TRUE(contains(text_of(file), R"("P\u202eX": 1.0)")) << text_of(file);
-    EXPECT_TRUE(contains(text_of(file), "\"\xE5\x90\x8D\": 1.0")) << text_of(file);
-    EXPECT_FALSE(contains(text_of(file), "\xE2\x80")) << text_of(file);
+    EXPECT_TRUE(contains(file_text(file), R"("P\u202eX": 1.0)")) << file_text(file);
+    EXPECT_TRUE(contains(file_text(file), "\"\xE5\x90\x8D\": 1.0")) << file_text(file);
+    EXPECT_FALSE(contains(file_text(file), "\xE2\x80")) << file_text(file);
     const Ran diff = asked({"param", "diff", file});
     EXPECT_EQ(diff.exit, 0) << diff.output;
     const Ran import = asked({"param", "import", file, "--yes"});
@@ -383,9 +383,9 @@ TEST_F(AnoctlOtherDevice, an_interrupted_write_is_reported_as_possibly_carried_o
     for (int tries = 0; tries < 5 && !contains(said, "cancelled"); ++tries) {    // it may give up before the signal arrives
         is_asked_to_write = false;
         Process set{ANOCTL, {"param", "set", "PAR_0", "7", "--device", "0xDD", "--control", socket}};
-        bool is_told = false;
+        bool is_interrupted = false;
         const int exit = until_ended(set, [&] {
-            if (is_asked_to_write && !std::exchange(is_told, true)) set.signal(SIGINT);
+            if (is_asked_to_write && !std::exchange(is_interrupted, true)) set.signal(SIGINT);
         });
         said = set.output();
         EXPECT_EQ(exit, contains(said, "cancelled") ? 130 : 1) << said;
@@ -412,9 +412,9 @@ TEST_F(AnoctlOtherDevice, an_interrupted_import_reports_which_values_stay_and_wh
             Process import{ANOCTL,
                            {"param", "import", file, "--yes", "--device", "0xDD", "--control", socket,
                             rollback ? "--rollback" : "--longer"}};
-            bool is_told = false;
+            bool is_interrupted = false;
             (void)until_ended(import, [&] {
-                if (is_at_the_last && !std::exchange(is_told, true)) import.signal(SIGINT);
+                if (is_at_the_last && !std::exchange(is_interrupted, true)) import.signal(SIGINT);
             });
             said = import.output();
         }
@@ -462,10 +462,10 @@ TEST_F(AnoctlOtherDevice, stays_in_its_loader_when_the_gateway_stops_during_a_fl
     fake.instead = [&](ano::FrameView frame) { return loader.take(fake, frame); };
     Process flash{ANOCTL,
                   {"flash", dir.write("new.bin", std::string(60'000, '\x01')), "--device", "0xDD", "--yes", "--control", socket}};
-    bool is_told = false;
+    bool is_interrupted = false;
     EXPECT_EQ(until_ended(flash,
                           [&] {
-                              if (loader.frames > 100 && !std::exchange(is_told, true)) gateway.signal(SIGTERM);
+                              if (loader.frames > 100 && !std::exchange(is_interrupted, true)) gateway.signal(SIGTERM);
                           }),
               1)
         << flash.output();
@@ -512,7 +512,7 @@ TEST_F(AnoctlAnswers, confirmations_name_the_data_to_be_lost_and_lines_wrap_betw
     EXPECT_TRUE(shows("x.json already exists. Replace it? [y/N]")) << screen;
     tmux("send-keys -t t 'n' Enter");
     EXPECT_TRUE(shows("anoctl: nothing was read")) << screen;
-    EXPECT_EQ(text_of(dir / "x.json"), "{}");
+    EXPECT_EQ(file_text(dir / "x.json"), "{}");
     tmux("send-keys -t t 'clear; sh a waypoint put' Enter");
     EXPECT_TRUE(shows("anoctl: reading waypoints as JSON from")) << screen;
     tmux("kill-server");

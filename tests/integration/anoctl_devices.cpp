@@ -87,7 +87,7 @@ TEST_F(AnoctlDevices, of_several_one_has_to_be_chosen) {
 TEST_F(AnoctlDevices, an_import_lists_its_changes_and_writes_them_only_after_confirmation) {
     const std::string file = dir / "backup.json";
     ASSERT_EQ(anoctl({"param", "export", file}).exit, 0);
-    json backup = json::parse(text_of(file));
+    json backup = json::parse(file_text(file));
     EXPECT_EQ(backup.at("device"), "0xDC");
     EXPECT_EQ(backup.at("name"), "SimFC");
     EXPECT_TRUE(backup.at("parameters").contains("CAL_AOFF_X"));
@@ -123,7 +123,7 @@ TEST_F(AnoctlDevices, defaults_are_restored_only_after_confirmation) {
     ASSERT_EQ(anoctl({"param", "set", "SIM_RANGE_OFFSET", "7"}).exit, 0);
     EXPECT_EQ(anoctl({"param", "save"}).exit, 0);
     ASSERT_EQ(anoctl({"command", "call", "TAKE_OFF", "300", "--yes"}).exit, 0);
-    hear_whether_it_flies();
+    receive_mode();
     const Ran flies = anoctl({"param", "reset", "--yes"});
     EXPECT_EQ(flies.exit, 1);
     EXPECT_TRUE(contains(flies.output, "this is only allowed on the ground")) << flies.output;
@@ -287,7 +287,7 @@ TEST_F(AnoctlCommands, with_a_type_that_the_device_does_not_report_are_called_on
     std::string name;
     for (const auto& entry : std::filesystem::directory_iterator{socket + ".state"})
         if (entry.path().filename().string().starts_with("type7-0xDD-")) name = entry.path().string();
-    const json note = json::parse(text_of(name));    // read at the next start
+    const json note = json::parse(file_text(name));    // read at the next start
     EXPECT_EQ(note.at("type7"), "u64");
     EXPECT_EQ(note.at("device").at("name"), "fake");
 }
@@ -355,7 +355,7 @@ TEST(AnoctlCommandsOfALink, by_their_three_bytes_are_called_by_the_first_frame) 
 TEST_F(AnoctlDevices, waypoints_are_exported_to_a_file_and_imported_again) {
     const std::string file = dir / "way.json", plan = dir / "way.geojson";
     ASSERT_EQ(anoctl({"waypoint", "get", file}).exit, 0);
-    json way = json::parse(text_of(file));
+    json way = json::parse(file_text(file));
     ASSERT_FALSE(way.at("waypoints").empty());
     json second = way["waypoints"][0];
     second["num"] = 1;
@@ -366,7 +366,7 @@ TEST_F(AnoctlDevices, waypoints_are_exported_to_a_file_and_imported_again) {
     EXPECT_TRUE(contains(put.output, ": 2 waypoints written\n")) << put.output;
     EXPECT_EQ(json::parse(anoctl({"waypoint", "get"}).output).at("waypoints").size(), 2u);
     ASSERT_EQ(anoctl({"waypoint", "get", plan}).exit, 0);
-    EXPECT_EQ(json::parse(text_of(plan)).at("type"), "FeatureCollection");
+    EXPECT_EQ(json::parse(file_text(plan)).at("type"), "FeatureCollection");
     EXPECT_EQ(anoctl({"waypoint", "put", plan, "--yes"}).exit, 0);
     EXPECT_EQ(anoctl({"waypoint", "put", dir.write("no.json", "{")}).exit, 2);
 }
@@ -411,10 +411,10 @@ TEST_F(AnoctlFlash, a_file_that_is_not_firmware_is_reported_and_nothing_is_sent)
 TEST_F(AnoctlFlash, an_interrupt_in_the_middle_reports_that_the_device_is_still_in_its_loader) {
     hear_of_another();
     Process process{ANOCTL, flash(dir.write("new.bin", std::string(60'000, '\x01')))};
-    bool is_told = false;
+    bool is_interrupted = false;
     EXPECT_EQ(until_ended(process,
                           [&] {
-                              if (loader.frames > 5 && !std::exchange(is_told, true)) process.signal(SIGINT);
+                              if (loader.frames > 5 && !std::exchange(is_interrupted, true)) process.signal(SIGINT);
                           }),
               130)
         << process.output();
@@ -425,7 +425,7 @@ TEST_F(AnoctlDevices, a_calibration_that_is_interrupted_leaves_the_old_values) {
     EXPECT_EQ(anoctl({"calibrate", "gyroscope"}).exit, 2);
     EXPECT_EQ(anoctl({"calibrate", "compass"}).exit, 2) << "nobody can be asked";
     ASSERT_EQ(anoctl({"command", "call", "LAND", "--yes"}).exit, 0);
-    hear_whether_it_flies();
+    receive_mode();
     ASSERT_EQ(anoctl({"param", "set", "CAL_AOFF_X", "1.5"}).exit, 0);
     Process process{ANOCTL, {"calibrate", "accelerometer", "--yes", "--control", socket}};
     EXPECT_TRUE(process.until_says("of 6 faces")) << process.output();
@@ -464,7 +464,7 @@ TEST(AnoctlDevicesOfALink, are_read_and_written_without_a_gateway) {
     EXPECT_EQ(set.exit, 0) << set.output;
     EXPECT_TRUE(contains(set.output, "SIM_TURN=-5\n")) << set.output;
     EXPECT_EQ(by_link({"param", "export", dir / "backup.json"}).exit, 0);
-    EXPECT_TRUE(json::parse(text_of(dir / "backup.json")).at("parameters").contains("SIM_NOTE"));
+    EXPECT_TRUE(json::parse(file_text(dir / "backup.json")).at("parameters").contains("SIM_NOTE"));
     Process absent{ANOCTL, {"param", "list", "--link", "serial:" + (dir / "absent")}};
     EXPECT_EQ(absent.wait(), 1);
     EXPECT_TRUE(contains(absent.output(), "absent not found")) << absent.output();
@@ -476,7 +476,7 @@ TEST_F(AnoctlDevices, confirmations_and_a_progress_bar_are_shown_on_a_terminal) 
         return std::system(("TERM=xterm tmux -S " + (dir / "tmux") + " " + words + " 2>/dev/null").c_str());
     };
     ASSERT_EQ(anoctl({"command", "call", "LAND", "--yes"}).exit, 0);    // the device to be calibrated reports that it has landed
-    hear_whether_it_flies();
+    receive_mode();
     const std::string file = dir / "other.json";
     dir.write("other.json", R"({"name": "Other", "dev_id": 1, "parameters": {"SIM_HEIGHT": 444}})");
     ASSERT_EQ(tmux("-f /dev/null new-session -d -x 120 -y 24 -s t 'sh'"), 0);

@@ -36,7 +36,7 @@ using nlohmann::json;
 
 struct Result {
     int exit;
-    std::string said;
+    std::string printed;
 };
 
 Result anoctl(
@@ -94,16 +94,16 @@ protected:
 TEST_F(AnoctlGateway, shows_its_status) {
     const Result status = ask({"status"});
     EXPECT_EQ(status.exit, 0);
-    EXPECT_EQ(status.said.find("degraded: 1 of 3 links\nanogate, anogate "), 0u) << status.said;
+    EXPECT_EQ(status.printed.find("degraded: 1 of 3 links\nanogate, anogate "), 0u) << status.printed;
     EXPECT_EQ(ask({"status", "--exit-code"}).exit, 3);
     EXPECT_EQ(ask({"status", "--exit-code", "--json"}).exit, 3);
     for (const char* words :
          {" IN/s  OUT/s ", "id 199, up for ", "LINK", "fc ", "ground ", "absent ", "waiting", "    /dev/absent not found"})
-        EXPECT_NE(status.said.find(words), std::string::npos) << words << " in\n" << status.said;
-    EXPECT_TRUE(fits_80_columns(status.said)) << status.said;
+        EXPECT_NE(status.printed.find(words), std::string::npos) << words << " in\n" << status.printed;
+    EXPECT_TRUE(fits_80_columns(status.printed)) << status.printed;
     const Result as_json = ask({"status", "--json"});
-    ASSERT_EQ(lines_of(as_json.said).size(), 1u);
-    EXPECT_EQ(lines_of(as_json.said)[0].at("links").size(), 3u);
+    ASSERT_EQ(lines_of(as_json.printed).size(), 1u);
+    EXPECT_EQ(lines_of(as_json.printed)[0].at("links").size(), 3u);
 }
 
 TEST_F(AnoctlGateway, shows_its_links_and_all_their_counters) {
@@ -111,15 +111,15 @@ TEST_F(AnoctlGateway, shows_its_links_and_all_their_counters) {
     ASSERT_TRUE(daemon.until([&](const json&) { return daemon.count("fc", "skipped_bytes") == 100; }));
     const Result links = ask({"links"});
     EXPECT_EQ(links.exit, 0);
-    EXPECT_NE(links.said.find("skipped_bytes 100"), std::string::npos) << links.said;
-    EXPECT_NE(links.said.find("\n  127.0.0.1:" + std::to_string(host.port())), std::string::npos) << links.said;
-    EXPECT_EQ(lines_of(ask({"links", "--json"}).said).size(), 3u);
-    const auto one = lines_of(ask({"links", "ground", "--json"}).said);
+    EXPECT_NE(links.printed.find("skipped_bytes 100"), std::string::npos) << links.printed;
+    EXPECT_NE(links.printed.find("\n  127.0.0.1:" + std::to_string(host.port())), std::string::npos) << links.printed;
+    EXPECT_EQ(lines_of(ask({"links", "--json"}).printed).size(), 3u);
+    const auto one = lines_of(ask({"links", "ground", "--json"}).printed);
     ASSERT_EQ(one.size(), 1u);
     EXPECT_EQ(one[0].at("name"), "ground");
     const Result unknown = ask({"links", "gruond"});
     EXPECT_EQ(unknown.exit, 1);
-    EXPECT_EQ(unknown.said, "anoctl: unknown link 'gruond' (did you mean 'ground'?); links: fc, ground, absent\n");
+    EXPECT_EQ(unknown.printed, "anoctl: unknown link 'gruond' (did you mean 'ground'?); links: fc, ground, absent\n");
 }
 
 TEST(AnoctlStatus, is_ok_when_all_links_are_up_and_shows_a_common_hint_once) {
@@ -136,12 +136,12 @@ TEST(AnoctlStatus, is_ok_when_all_links_are_up_and_shows_a_common_hint_once) {
     one.write(frame(0xDC, 0xFE, 0x03, {0, 0, 0, 0, 0, 0, 1}));
     two.write(frame(0xDD, 0xFE, 0x03, {0, 0, 0, 0, 0, 0, 1}));
     const Result status = anoctl({"status", "--exit-code", "--control", socket});
-    EXPECT_EQ(status.exit, 0) << status.said;
-    EXPECT_EQ(status.said.find("ok\n"), 0u) << status.said;
+    EXPECT_EQ(status.exit, 0) << status.printed;
+    EXPECT_EQ(status.printed.find("ok\n"), 0u) << status.printed;
     const std::string hint = "no ground station is registered for this telemetry yet";
-    const std::size_t first = status.said.find(hint);
-    ASSERT_NE(first, std::string::npos) << status.said;
-    EXPECT_EQ(status.said.find(hint, first + 1), std::string::npos) << status.said;
+    const std::size_t first = status.printed.find(hint);
+    ASSERT_NE(first, std::string::npos) << status.printed;
+    EXPECT_EQ(status.printed.find(hint, first + 1), std::string::npos) << status.printed;
 }
 
 // With the option 0 and 3, without it always 0, whatever is degraded.
@@ -164,10 +164,10 @@ TEST(AnoctlStatus, exits_with_3_while_degraded_if_the_option_is_set) {
             const Result plain = ask(words);
             words.push_back("--exit-code");
             const Result asked = ask(words);
-            EXPECT_EQ(plain.exit, 0) << plain.said;
-            EXPECT_EQ(asked.exit, exit) << asked.said;
+            EXPECT_EQ(plain.exit, 0) << plain.printed;
+            EXPECT_EQ(asked.exit, exit) << asked.printed;
             if (!as_json) {
-                EXPECT_EQ(asked.said.substr(0, asked.said.find('\n')), verdict);
+                EXPECT_EQ(asked.printed.substr(0, asked.printed.find('\n')), verdict);
             }
         }
     };
@@ -199,17 +199,17 @@ TEST(AnoctlStatus, names_a_vehicle_that_was_lost_in_flight) {
     ASSERT_TRUE(until_lost(2)) << daemon.status();
     const Result status = anoctl({"status", "--exit-code", "--control", socket});
     EXPECT_EQ(status.exit, 3);
-    EXPECT_EQ(status.said.find("degraded: 0xDC lost, airborne "), 0u) << status.said;
-    EXPECT_NE(status.said.find("\nlost: 0xDC, airborne "), std::string::npos) << status.said;
+    EXPECT_EQ(status.printed.find("degraded: 0xDC lost, airborne "), 0u) << status.printed;
+    EXPECT_NE(status.printed.find("\nlost: 0xDC, airborne "), std::string::npos) << status.printed;
     const Result devices = anoctl({"devices", "--control", socket});
-    EXPECT_NE(devices.said.find("\n    lost: airborne "), std::string::npos) << devices.said;
-    const auto as_json = lines_of(anoctl({"devices", "--json", "--control", socket}).said);
+    EXPECT_NE(devices.printed.find("\n    lost: airborne "), std::string::npos) << devices.printed;
+    const auto as_json = lines_of(anoctl({"devices", "--json", "--control", socket}).printed);
     ASSERT_EQ(as_json.size(), 1u);
     EXPECT_TRUE(as_json[0].at("lost") == true && as_json[0].at("sflag") == 2) << as_json[0];
     ASSERT_TRUE(until_lost(0));
     const Result locked = anoctl({"status", "--control", socket});
-    EXPECT_EQ(locked.said.find(" lost, "), std::string::npos) << "it may have been switched off: " << locked.said;
-    EXPECT_NE(locked.said.find("\nlost: 0xDC, locked "), std::string::npos) << locked.said;
+    EXPECT_EQ(locked.printed.find(" lost, "), std::string::npos) << "it may have been switched off: " << locked.printed;
+    EXPECT_NE(locked.printed.find("\nlost: 0xDC, locked "), std::string::npos) << locked.printed;
 }
 
 TEST(AnoctlLinks, show_counters_that_only_some_kinds_have) {
@@ -222,38 +222,38 @@ TEST(AnoctlLinks, show_counters_that_only_some_kinds_have) {
     Daemon daemon{ANOGATED, socket, {"replay:" + file}};
     ASSERT_TRUE(daemon.until([&](const json&) { return daemon.count("flight", "kept_back_commands") == 2; })) << daemon.status();
     const Result links = anoctl({"links", "--control", socket});
-    EXPECT_NE(links.said.find("      also: kept_back_commands 2\n"), std::string::npos) << links.said;
+    EXPECT_NE(links.printed.find("      also: kept_back_commands 2\n"), std::string::npos) << links.printed;
 }
 
 TEST_F(AnoctlGateway, shows_which_port_the_system_chose) {
     const std::string place = "    at 127.0.0.1:" + std::to_string(daemon.port("ground")) + "\n";
     for (const char* command : {"links", "status"}) {
         const Result result = ask({command});
-        EXPECT_NE(result.said.find(place), std::string::npos) << result.said;
+        EXPECT_NE(result.printed.find(place), std::string::npos) << result.printed;
     }
 }
 
 TEST_F(AnoctlGateway, shows_its_routes_and_removes_one) {
     const Result routes = ask({"routes"});
     EXPECT_EQ(routes.exit, 0);
-    EXPECT_NE(routes.said.find("0xFE"), std::string::npos) << routes.said;
-    EXPECT_NE(routes.said.find("learned"), std::string::npos) << routes.said;
-    EXPECT_TRUE(fits_80_columns(routes.said)) << routes.said;
-    EXPECT_EQ(lines_of(ask({"routes", "--json"}).said).size(), 3u);
+    EXPECT_NE(routes.printed.find("0xFE"), std::string::npos) << routes.printed;
+    EXPECT_NE(routes.printed.find("learned"), std::string::npos) << routes.printed;
+    EXPECT_TRUE(fits_80_columns(routes.printed)) << routes.printed;
+    EXPECT_EQ(lines_of(ask({"routes", "--json"}).printed).size(), 3u);
     const Result forgotten = ask({"routes", "--forget", "host"});
     EXPECT_EQ(forgotten.exit, 0);
-    EXPECT_EQ(forgotten.said, "0xFE: route removed\n");
+    EXPECT_EQ(forgotten.printed, "0xFE: route removed\n");
     const Result again = ask({"routes", "--forget", "0xFE"});
     EXPECT_EQ(again.exit, 1);
-    EXPECT_EQ(again.said, "anoctl: 0xFE was not seen: there is nothing to forget\n");
+    EXPECT_EQ(again.printed, "anoctl: 0xFE was not seen: there is nothing to forget\n");
     EXPECT_EQ(ask({"routes", "--forget", "no/body"}).exit, 1);
 }
 
 TEST_F(AnoctlGateway, shows_its_metrics) {
-    EXPECT_NE(ask({"metrics"}).said.find("\nanogate_link_frames_in_total{link=\"fc\"} 1\n"), std::string::npos);
-    EXPECT_TRUE(ask({"metrics", "--openmetrics"}).said.ends_with("# EOF\n"));
+    EXPECT_NE(ask({"metrics"}).printed.find("\nanogate_link_frames_in_total{link=\"fc\"} 1\n"), std::string::npos);
+    EXPECT_TRUE(ask({"metrics", "--openmetrics"}).printed.ends_with("# EOF\n"));
     bool found = false;
-    for (const json& sample : lines_of(ask({"metrics", "--json"}).said))
+    for (const json& sample : lines_of(ask({"metrics", "--json"}).printed))
         found = found || sample == json{{"name", "anogate_link_frames_in_total"}, {"labels", {{"link", "fc"}}}, {"value", 1}};
     EXPECT_TRUE(found);
 }
@@ -270,7 +270,7 @@ TEST_F(AnoctlGateway, of_a_user_is_found_at_the_default_path) {
     Daemon own{ANOGATED, dir / "anogate.sock", {"sim:fc,name=own"}};
     ASSERT_TRUE(own.until_answers()) << own.output();
     if (::geteuid() != 0) {
-        EXPECT_NE(anoctl({"status"}, {"XDG_RUNTIME_DIR=" + dir.path().string()}).said.find("own"), std::string::npos);
+        EXPECT_NE(anoctl({"status"}, {"XDG_RUNTIME_DIR=" + dir.path().string()}).printed.find("own"), std::string::npos);
         return;
     }
     // Another user, who may enter that folder.
@@ -278,7 +278,7 @@ TEST_F(AnoctlGateway, of_a_user_is_found_at_the_default_path) {
     ASSERT_EQ(::chmod(dir.path().c_str(), 0755), 0);
     ASSERT_EQ(::chmod((dir / "anogate.sock").c_str(), 0666), 0);
     const Result status = anoctl({"status"}, {"XDG_RUNTIME_DIR=" + dir.path().string()}, [&] { (void)as_nobody(); });
-    EXPECT_NE(status.said.find("own"), std::string::npos) << status.said;
+    EXPECT_NE(status.printed.find("own"), std::string::npos) << status.printed;
 }
 
 TEST_F(AnoctlGateway, without_permission_shows_how_to_get_it) {
@@ -288,50 +288,52 @@ TEST_F(AnoctlGateway, without_permission_shows_how_to_get_it) {
     ASSERT_EQ(::chmod(socket.c_str(), 0600), 0);
     const Result alone = anoctl({"status", "--control", socket}, {}, nobody);
     EXPECT_EQ(alone.exit, 1);
-    EXPECT_EQ(alone.said, "anoctl: no permission for " + socket + ": only user root has access: run sudo -u root anoctl ...\n");
+    EXPECT_EQ(alone.printed,
+              "anoctl: no permission for " + socket + ": only user root has access: run sudo -u root anoctl ...\n");
     ASSERT_EQ(::chmod(socket.c_str(), 0660), 0);
     ASSERT_EQ(::chown(socket.c_str(), 0, 1), 0);
     const Result group = anoctl({"status", "--control", socket}, {}, nobody);
     EXPECT_EQ(group.exit, 1);
-    EXPECT_NE(group.said.find("it belongs to group "), std::string::npos) << group.said;
-    EXPECT_NE(group.said.find("sudo usermod -aG "), std::string::npos) << group.said;
+    EXPECT_NE(group.printed.find("it belongs to group "), std::string::npos) << group.printed;
+    EXPECT_NE(group.printed.find("sudo usermod -aG "), std::string::npos) << group.printed;
     ASSERT_EQ(::chmod(dir.path().c_str(), 0700), 0);
-    EXPECT_NE(anoctl({"status", "--control", socket}, {}, nobody).said.find("this user has no access to its folder: sudo anoctl"),
-              std::string::npos);
+    EXPECT_NE(
+        anoctl({"status", "--control", socket}, {}, nobody).printed.find("this user has no access to its folder: sudo anoctl"),
+        std::string::npos);
 }
 
 TEST_F(AnoctlGateway, that_does_not_run_is_reported) {
     const Result none = anoctl({"status", "--control", dir / "none.sock"});
     EXPECT_EQ(none.exit, 1);
-    EXPECT_EQ(none.said, "anoctl: no gateway is running at " + dir / "none.sock" +
-                             ": socket not found (another one: --control PATH); to start one: anogated LINK...\n");
+    EXPECT_EQ(none.printed, "anoctl: no gateway is running at " + dir / "none.sock" +
+                                ": socket not found (another one: --control PATH); to start one: anogated LINK...\n");
     if (no_namespaces().empty()) {
         const Result nowhere = anoctl({"status"}, {"XDG_RUNTIME_DIR="}, become_nobody_where_none_runs);
-        EXPECT_NE(nowhere.said.find("socket not found; XDG_RUNTIME_DIR is not set, so a gateway of this user can't be found"),
+        EXPECT_NE(nowhere.printed.find("socket not found; XDG_RUNTIME_DIR is not set, so a gateway of this user can't be found"),
                   std::string::npos)
-            << nowhere.said;
+            << nowhere.printed;
         const Result neither = anoctl({"status"}, {"XDG_RUNTIME_DIR=/proc/none"}, become_nobody_where_none_runs);
-        EXPECT_NE(neither.said.find("at /proc/none/anogate.sock: socket not found, nor /run/anogate/control.sock"),
+        EXPECT_NE(neither.printed.find("at /proc/none/anogate.sock: socket not found, nor /run/anogate/control.sock"),
                   std::string::npos)
-            << neither.said;
+            << neither.printed;
     }
     daemon.signal(SIGKILL);
     daemon.wait();
     const Result dead = ask({"links"});
     EXPECT_EQ(dead.exit, 1);
-    EXPECT_EQ(dead.said, "anoctl: no gateway is running at " + socket +
-                             ": the socket is left from a stopped one; to start one: anogated LINK...\n");
+    EXPECT_EQ(dead.printed, "anoctl: no gateway is running at " + socket +
+                                ": the socket is left from a stopped one; to start one: anogated LINK...\n");
 }
 
 TEST_F(AnoctlGateway, lists_devices_and_links_for_shell_completion) {
     const Result devices = anoctl({"__complete", "devices", "monitor", "--control", socket, "--from", ""});
     EXPECT_EQ(devices.exit, 0);
-    EXPECT_NE(devices.said.find("0xFE\thost, ground\n"), std::string::npos) << devices.said;
+    EXPECT_NE(devices.printed.find("0xFE\thost, ground\n"), std::string::npos) << devices.printed;
     const Result links = anoctl({"__complete", "links", "links", "--control=" + socket});
-    EXPECT_NE(links.said.find("fc\tserial, up\n"), std::string::npos) << links.said;
-    EXPECT_NE(links.said.find("absent\tserial, waiting\n"), std::string::npos) << links.said;
-    EXPECT_EQ(anoctl({"__complete", "links", "links", "--control", "=", socket}).said, links.said);    // as bash splits it
-    EXPECT_EQ(anoctl({"--help"}).said.find("__complete"), std::string::npos);
+    EXPECT_NE(links.printed.find("fc\tserial, up\n"), std::string::npos) << links.printed;
+    EXPECT_NE(links.printed.find("absent\tserial, waiting\n"), std::string::npos) << links.printed;
+    EXPECT_EQ(anoctl({"__complete", "links", "links", "--control", "=", socket}).printed, links.printed);    // as bash splits it
+    EXPECT_EQ(anoctl({"--help"}).printed.find("__complete"), std::string::npos);
 }
 
 TEST(AnoctlComplete, prints_nothing_when_no_gateway_answers) {
@@ -348,11 +350,11 @@ TEST(AnoctlComplete, prints_nothing_when_no_gateway_answers) {
         for (const char* what : {"devices", "links"}) {
             const Result nothing = anoctl({"__complete", what, "top", "--control", socket});
             EXPECT_EQ(nothing.exit, 0) << socket;
-            EXPECT_EQ(nothing.said, "") << socket;
+            EXPECT_EQ(nothing.printed, "") << socket;
         }
     EXPECT_LT(std::chrono::steady_clock::now() - before, std::chrono::seconds{8}) << "0.3 s each, not the 10 s of other commands";
-    EXPECT_EQ(anoctl({"__complete"}).said, "");
-    EXPECT_EQ(anoctl({"__complete", "what", "--control"}).said, "");
+    EXPECT_EQ(anoctl({"__complete"}).printed, "");
+    EXPECT_EQ(anoctl({"__complete", "what", "--control"}).printed, "");
     ::close(listening);
 }
 
@@ -399,7 +401,7 @@ TEST_F(AnoctlReload, shows_what_changes) {
     const Result done = reload({"--confirm-within", "30s"});
     EXPECT_EQ(asked, "/reload?confirm_within=30s");
     EXPECT_EQ(done.exit, 0);
-    EXPECT_EQ(done.said,
+    EXPECT_EQ(done.printed,
               "radio: changed\n"
               "    baud: 500000 -> 115200\n"
               "gps: added\n"
@@ -407,22 +409,22 @@ TEST_F(AnoctlReload, shows_what_changes) {
               "    forget_after: 30s -> 10s\n"
               "1 link unchanged\n"
               "the previous configuration is restored in 30 s unless you confirm: anoctl reload --confirm\n");
-    EXPECT_EQ(lines_of(reload({"--json"}).said).at(0).at("links").size(), 3u);
+    EXPECT_EQ(lines_of(reload({"--json"}).printed).at(0).at("links").size(), 3u);
     EXPECT_EQ(asked, "/reload");
 }
 
 TEST_F(AnoctlReload, changes_nothing_in_a_dry_run) {
     const Result would = reload({"--dry-run"});
     EXPECT_EQ(asked, "/reload?dry_run");
-    EXPECT_TRUE(would.said.ends_with("nothing was changed (--dry-run)\n")) << would.said;
+    EXPECT_TRUE(would.printed.ends_with("nothing was changed (--dry-run)\n")) << would.printed;
     body = R"({"dry_run": true, "changed": false, "links": [], "gateway": []})";
-    EXPECT_EQ(reload({"--dry-run"}).said, "no changes\n");
+    EXPECT_EQ(reload({"--dry-run"}).printed, "no changes\n");
 }
 
 TEST_F(AnoctlReload, lists_the_changes_that_need_a_restart) {
     body =
         R"({"dry_run": false, "changed": false, "links": [], "gateway": [], "needs_restart": ["control.http: not set -> 1.2.3.4:8"]})";
-    EXPECT_EQ(reload({}).said, "at the next start:\n    control.http: not set -> 1.2.3.4:8\n");
+    EXPECT_EQ(reload({}).printed, "at the next start:\n    control.http: not set -> 1.2.3.4:8\n");
 }
 
 TEST_F(AnoctlReload, shows_the_faults_of_a_configuration) {
@@ -430,7 +432,7 @@ TEST_F(AnoctlReload, shows_the_faults_of_a_configuration) {
     body = R"({"error": "the configuration has 2 faults", "what": "invalid", "faults": ["/links/0/baud: one", "/links/1: two"]})";
     const Result refused = reload({});
     EXPECT_EQ(refused.exit, 1);
-    EXPECT_EQ(refused.said,
+    EXPECT_EQ(refused.printed,
               "anoctl: /links/0/baud: one\n"
               "anoctl: /links/1: two\n"
               "anoctl: the configuration has 2 faults\n");
@@ -441,17 +443,17 @@ TEST_F(AnoctlReload, names_the_option_whose_value_is_refused) {
     body = R"({"error": "'confirm_within' must be a duration such as 30s, from 1s to 1h, not '0'", "what": "invalid"})";
     const Result refused = reload({"--confirm-within", "0"});
     EXPECT_EQ(refused.exit, 2);
-    EXPECT_EQ(refused.said, "anoctl: --confirm-within must be a duration such as 30s, from 1s to 1h, not '0'\n");
+    EXPECT_EQ(refused.printed, "anoctl: --confirm-within must be a duration such as 30s, from 1s to 1h, not '0'\n");
 }
 
 TEST_F(AnoctlReload, confirms_the_new_configuration) {
-    EXPECT_EQ(reload({"--confirm"}).said, "the new configuration is confirmed\n");
+    EXPECT_EQ(reload({"--confirm"}).printed, "the new configuration is confirmed\n");
     EXPECT_EQ(asked, "/reload/confirm");
     status = 409;
     body = R"({"error": "no configuration is waiting for confirmation", "what": "busy"})";
     const Result refused = reload({"--confirm"});
     EXPECT_EQ(refused.exit, 1);
-    EXPECT_EQ(refused.said, "anoctl: no configuration is waiting for confirmation\n");
+    EXPECT_EQ(refused.printed, "anoctl: no configuration is waiting for confirmation\n");
     EXPECT_EQ(reload({"--confirm", "--dry-run"}).exit, 2);
 }
 

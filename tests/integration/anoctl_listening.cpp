@@ -218,10 +218,10 @@ TEST(AnoctlOwnLink, image_does_not_count_a_picture_whose_beginning_it_missed) {
     ASSERT_TRUE(image.until_says(" is up"));
     device.write(rows(1, {3, 4}) + rows(2, {1, 2}) + rows(2, {3, 4}));
     EXPECT_EQ(image.wait(), 0);
-    const auto says = [&](const std::string& words) { return image.output().find(words) != std::string::npos; };
-    EXPECT_TRUE(says(dir / "pictures/0xDF-0002-part.png: 0xDF 2x2 grey, 1 of 2 rows received\n")) << image.output();
-    EXPECT_TRUE(says(dir / "pictures/0xDF-0004.png: 0xDF 2x2 grey\n")) << image.output();
-    EXPECT_TRUE(says("anoctl: 1 picture; and the end of 1 picture that probably started earlier\n")) << image.output();
+    const auto contains = [&](const std::string& words) { return image.output().find(words) != std::string::npos; };
+    EXPECT_TRUE(contains(dir / "pictures/0xDF-0002-part.png: 0xDF 2x2 grey, 1 of 2 rows received\n")) << image.output();
+    EXPECT_TRUE(contains(dir / "pictures/0xDF-0004.png: 0xDF 2x2 grey\n")) << image.output();
+    EXPECT_TRUE(contains("anoctl: 1 picture; and the end of 1 picture that probably started earlier\n")) << image.output();
 }
 
 }    // namespace

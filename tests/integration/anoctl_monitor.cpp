@@ -38,7 +38,7 @@ public:
             err_text_.append(buffer.data(), static_cast<std::size_t>(n));
         return err_text_;
     }
-    bool says(const std::string& text) {
+    bool prints(const std::string& text) {
         return support::wait_until([&] { return err().find(text) != std::string::npos; });
     }
     bool shows(const std::string& text) {
@@ -83,7 +83,7 @@ TEST(AnoctlMonitor, shows_the_frames_of_a_serial_device) {
     const support::TempDir folder;
     support::PtyDevice device{(folder.path() / "tty").string()};
     Monitor monitor{{"serial:" + device.path(), "--count", "2"}};
-    ASSERT_TRUE(monitor.says("is up")) << monitor.err();
+    ASSERT_TRUE(monitor.prints("is up")) << monitor.err();
     device.write(euler);
     ASSERT_TRUE(monitor.shows("0xDC 0xFE 0x03 euler rol=1.23 pit=0 yaw=0 fusion_sta=1\n")) << monitor.out();
     device.write(wind);
@@ -97,12 +97,12 @@ TEST(AnoctlMonitor, decodes_text_with_the_encoding_of_the_link_unless_an_option_
     support::PtyDevice device{(folder.path() / "tty").string()};
     const auto log = support::frame(0xDC, 0xFE, 0xA0, {0, 0xC4, 0xA3});    // in GBK one character, in UTF-8 another
     Monitor vendor{{"serial:" + device.path() + ",encoding=gbk", "--count", "1"}};
-    ASSERT_TRUE(vendor.says("is up")) << vendor.err();
+    ASSERT_TRUE(vendor.prints("is up")) << vendor.err();
     device.write(log);
     EXPECT_EQ(vendor.exit_code(), 0);
     EXPECT_NE(vendor.out().find("模"), std::string::npos) << vendor.out();
     Monitor told{{"serial:" + device.path() + ",encoding=gbk", "--count", "1", "--encoding", "utf8"}};
-    ASSERT_TRUE(told.says("is up")) << told.err();
+    ASSERT_TRUE(told.prints("is up")) << told.err();
     device.write(log);
     EXPECT_EQ(told.exit_code(), 0);
     EXPECT_NE(told.out().find("ģ"), std::string::npos) << told.out();
@@ -112,10 +112,10 @@ TEST(AnoctlMonitor, prints_json_of_the_frames_that_pass_the_filters) {
     const support::TempDir folder;
     const std::string path = (folder.path() / "port").string();
     Monitor monitor{{"pty:" + path, "--json", "--id", "wind", "--from", "0xDD", "--count", "1"}};
-    ASSERT_TRUE(monitor.says("no program has")) << monitor.err();
+    ASSERT_TRUE(monitor.prints("no program has")) << monitor.err();
     support::PortUser user{path};
     ASSERT_TRUE(user.is_open());
-    ASSERT_TRUE(monitor.says("is up")) << monitor.err();
+    ASSERT_TRUE(monitor.prints("is up")) << monitor.err();
     user.write(euler);
     user.write(wind);
     EXPECT_EQ(monitor.exit_code(), 0);
@@ -128,7 +128,7 @@ TEST(AnoctlMonitor, prints_json_of_the_frames_that_pass_the_filters) {
 
 TEST(AnoctlMonitor, shows_the_frames_of_udp_peers) {
     Monitor monitor{{"udp-listen:127.0.0.1:0", "--count", "2"}};
-    ASSERT_TRUE(monitor.says("port ")) << monitor.err();
+    ASSERT_TRUE(monitor.prints("port ")) << monitor.err();
     const std::string said = monitor.err();
     const auto port = static_cast<std::uint16_t>(std::stoi(said.substr(said.find("port ") + 5)));
     support::UdpPeer one;
@@ -143,7 +143,7 @@ TEST(AnoctlMonitor, shows_the_frames_of_udp_peers) {
 TEST(AnoctlMonitor, shows_the_frames_of_one_udp_peer) {
     support::UdpPeer peer;
     Monitor monitor{{"udp:127.0.0.1:" + std::to_string(peer.port()) + ",bind=127.0.0.1:0", "--count", "1"}};
-    ASSERT_TRUE(monitor.says("port ")) << monitor.err();
+    ASSERT_TRUE(monitor.prints("port ")) << monitor.err();
     const std::string said = monitor.err();
     ASSERT_TRUE(peer.send(static_cast<std::uint16_t>(std::stoi(said.substr(said.find("port ") + 5))), euler));
     EXPECT_EQ(monitor.exit_code(), 0);
@@ -153,10 +153,10 @@ TEST(AnoctlMonitor, shows_the_frames_of_one_udp_peer) {
 TEST(AnoctlMonitor, waits_for_an_absent_device_and_exits_with_0_when_interrupted) {
     const support::TempDir folder;
     Monitor monitor{{"serial:" + (folder.path() / "tty").string()}};
-    ASSERT_TRUE(monitor.says("waiting")) << monitor.err();
+    ASSERT_TRUE(monitor.prints("waiting")) << monitor.err();
     {
         support::PtyDevice device{(folder.path() / "tty").string()};
-        ASSERT_TRUE(monitor.says("is up")) << monitor.err();
+        ASSERT_TRUE(monitor.prints("is up")) << monitor.err();
         device.write(euler);
         ASSERT_TRUE(monitor.shows("euler"));
     }
@@ -187,11 +187,11 @@ TEST(AnoctlMonitor, names_the_keys_that_have_no_effect_when_only_receiving) {
     support::PtyDevice device{(folder.path() / "tty").string()};
     Monitor monitor{
         {"serial:" + device.path() + ",baud=500000,profile=vendor,hello=on,limit.0x01=50,send.deny=bulk,receive.deny=0xA0,id=3"}};
-    EXPECT_TRUE(monitor.says("is up"));
+    EXPECT_TRUE(monitor.prints("is up"));
     EXPECT_EQ(monitor.err().find("anoctl: ignored: hello, limit.0x01, send.deny, receive.deny, id; monitor only receives\n"), 0u)
         << monitor.err();
     Monitor plain{{"serial:/nowhere/tty,baud=500000,profile=vendor,parity=even,max_data=100,name=fc,encoding=gbk"}};
-    EXPECT_TRUE(plain.says("waiting"));
+    EXPECT_TRUE(plain.prints("waiting"));
     EXPECT_EQ(plain.err().find("no effect"), std::string::npos) << plain.err();
 }
 
@@ -201,7 +201,7 @@ TEST(AnoctlMonitor, shows_how_to_monitor_a_gateway_that_uses_the_link) {
     Monitor first{{"pty:" + path}};
     ASSERT_TRUE(support::wait_until([&] { return std::filesystem::is_symlink(path); })) << first.err();
     Monitor second{{"pty:" + path}};
-    EXPECT_TRUE(second.says("is in use by another gateway; to watch the gateway that uses it: anoctl monitor, without LINK\n"))
+    EXPECT_TRUE(second.prints("is in use by another gateway; to watch the gateway that uses it: anoctl monitor, without LINK\n"))
         << second.err();
 }
 
@@ -211,16 +211,16 @@ TEST(AnoctlMonitor, shows_how_to_monitor_a_gateway_that_uses_the_port) {
     support::Daemon gateway{ANOGATED, (folder.path() / "socket").string(), {"serial:" + device.path() + ",name=fc"}};
     ASSERT_TRUE(gateway.until_up("fc"));
     Monitor monitor{{"serial:" + device.path()}};
-    EXPECT_TRUE(monitor.says("); to watch the gateway that uses it: anoctl monitor, without LINK\n")) << monitor.err();
+    EXPECT_TRUE(monitor.prints("); to watch the gateway that uses it: anoctl monitor, without LINK\n")) << monitor.err();
 }
 
 TEST(AnoctlMonitor, reports_why_nothing_is_shown) {
     const support::TempDir folder;
     support::PtyDevice device{(folder.path() / "tty").string()};
     Monitor monitor{{"serial:" + device.path()}};
-    ASSERT_TRUE(monitor.says("is up")) << monitor.err();
+    ASSERT_TRUE(monitor.prints("is up")) << monitor.err();
     device.write(support::Bytes(200, 0x55));
-    EXPECT_TRUE(monitor.says("tty: data but no valid frames: check baud rate and protocol\n")) << monitor.err();
+    EXPECT_TRUE(monitor.prints("tty: data but no valid frames: check baud rate and protocol\n")) << monitor.err();
     device.write(euler);
     EXPECT_TRUE(monitor.shows("euler"));
     EXPECT_TRUE(support::wait_until(

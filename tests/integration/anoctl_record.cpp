@@ -36,7 +36,7 @@ protected:
         words.insert(words.end(), {"--control", socket});
         return Process{ANOCTL, std::move(words), {}, in_child};
     }
-    std::vector<KeptItem> items() const { return read_pcapng(text_of(file)).items; }
+    std::vector<KeptItem> items() const { return read_pcapng(file_text(file)).items; }
     /// Sends frames until the file contains `count` of them: it sees nothing before it is attached.
     bool until_recorded(std::size_t count, const Bytes& bytes = euler) {
         return wait_until([&] {
@@ -54,10 +54,10 @@ protected:
 TEST_F(AnoctlRecord, received_frames_are_in_the_file_while_it_records_and_after_it_ends) {
     Process recorder = record({});
     ASSERT_TRUE(until_recorded(3)) << recorder.output();
-    EXPECT_FALSE(read_pcapng(text_of(file)).has_end);
+    EXPECT_FALSE(read_pcapng(file_text(file)).has_end);
     recorder.signal(SIGINT);
     EXPECT_EQ(recorder.wait(), 0) << recorder.output();
-    const auto read = read_pcapng(text_of(file));
+    const auto read = read_pcapng(file_text(file));
     EXPECT_TRUE(read.has_end);
     EXPECT_EQ(read.fault, "");
     EXPECT_TRUE(read.head.program.starts_with("anoctl "));
@@ -101,10 +101,10 @@ TEST_F(AnoctlRecord, an_existing_file_is_not_overwritten_without_force) {
     Process recorder = record({});
     EXPECT_EQ(recorder.wait(), 2);
     EXPECT_NE(recorder.output().find("already exists; use --force to overwrite it"), std::string::npos) << recorder.output();
-    EXPECT_EQ(text_of(file), "mine");
+    EXPECT_EQ(file_text(file), "mine");
     Process refused = record({"--force", "--id", "nonsense"});
     EXPECT_EQ(refused.wait(), 2) << refused.output();
-    EXPECT_EQ(text_of(file), "mine");
+    EXPECT_EQ(file_text(file), "mine");
     Process forced = record({"--force"});
     EXPECT_TRUE(until_recorded(1)) << forced.output();
 }
@@ -123,7 +123,7 @@ TEST_F(AnoctlRecord, a_full_disk_ends_it_with_an_error_and_leaves_whole_frames_i
     EXPECT_NE(recorder.output().find("cannot continue writing: File too large; the frames written so far are intact"),
               std::string::npos)
         << recorder.output();
-    const auto read = read_pcapng(text_of(file));
+    const auto read = read_pcapng(file_text(file));
     EXPECT_EQ(read.fault, "");
     EXPECT_EQ(read.unfinished, 0u);
     EXPECT_GT(read.items.size(), 0u);
@@ -145,7 +145,7 @@ TEST_F(AnoctlRecord, ends_with_a_summary_when_the_gateway_stops) {
     ASSERT_TRUE(until_recorded(1)) << recorder.output();
     gateway.signal(SIGTERM);
     EXPECT_EQ(recorder.wait(), 1);
-    EXPECT_TRUE(read_pcapng(text_of(file)).has_end);
+    EXPECT_TRUE(read_pcapng(file_text(file)).has_end);
     EXPECT_NE(recorder.output().find(" in "), std::string::npos) << recorder.output();
 }
 
@@ -175,7 +175,7 @@ TEST_F(AnoctlRecord, tshark_shows_its_frames_decoded_with_link_direction_and_cau
                   "frame.packet_flags_direction" +
                   " -e frame.interface_queue -e frame.comment >" + shown + " 2>/dev/null"),
               0);
-    const std::string text = text_of(shown);
+    const std::string text = file_text(shown);
     EXPECT_EQ(static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n')), items().size());
     EXPECT_TRUE(text.starts_with("ANO V8\t1.23\ta\t")) << text;
     EXPECT_NE(text.find("dropped: no_route"), std::string::npos) << text;
@@ -246,7 +246,7 @@ TEST_F(AnoctlRecordMcap, ends_the_file_with_an_index_and_a_summary) {
     ASSERT_TRUE(until_recorded(3)) << recorder.output();
     recorder.signal(SIGINT);
     EXPECT_EQ(recorder.wait(), 0) << recorder.output();
-    const auto read = support::read_recording(text_of(file));
+    const auto read = support::read_recording(file_text(file));
     EXPECT_TRUE(read.has_end);
     const json summary = json::parse(recorder.output());
     EXPECT_EQ(summary["frames"], read.items.size());

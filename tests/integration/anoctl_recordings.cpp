@@ -66,9 +66,9 @@ TEST_F(AnoctlRecordings, are_fetched_and_deleted_by_name_without_extension_if_it
     for (int round = 0; round < 50 && get().at("running").at(0).at("files") < 2; ++round) send_numbered(150);
     end("flight");
     expect(anoctl({"recordings", "get", "one", dir / "copy.mcap"}), 0, "copy.mcap: ");
-    EXPECT_EQ(text_of(dir / "copy.mcap"), content("one.mcap"));
+    EXPECT_EQ(file_text(dir / "copy.mcap"), content("one.mcap"));
     expect(anoctl({"recordings", "get", "one.mcap", dir.path().string()}), 0, dir / "one.mcap: ");
-    EXPECT_EQ(text_of(dir / "one.mcap"), content("one.mcap"));
+    EXPECT_EQ(file_text(dir / "one.mcap"), content("one.mcap"));
     for (const char* other : {"x.pcapng", "x.csv"}) {
         expect(anoctl({"recordings", "get", "one", dir / other}), 2, "get copies one.mcap unchanged; to get ");
         EXPECT_FALSE(std::filesystem::exists(dir / other));

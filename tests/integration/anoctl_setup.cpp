@@ -27,7 +27,7 @@ protected:
     }
     struct Result {
         int exit;
-        std::string said;
+        std::string printed;
     };
     Result setup(std::vector<std::string> words) const {
         words.insert(words.begin(), {"setup", "--into", config});
@@ -35,7 +35,7 @@ protected:
         const int exit = process.wait();
         return {exit, process.output()};
     }
-    json written() const { return json::parse(text_of(config), nullptr, true, true); }
+    json written() const { return json::parse(file_text(config), nullptr, true, true); }
 
     TempDir dir;
     std::string config = dir / "anogate.json";
@@ -44,9 +44,9 @@ protected:
 
 TEST_F(AnoctlSetup, writes_a_configuration_that_the_gateway_accepts_and_starts_the_service) {
     const Result done = setup({device.path(), "--baud", "115200", "--yes"});
-    ASSERT_EQ(done.exit, 0) << done.said;
-    EXPECT_NE(done.said.find("systemctl enable anogated\nsystemctl restart anogated\n"), std::string::npos) << done.said;
-    EXPECT_NE(done.said.find("http://127.0.0.1:8088/"), std::string::npos) << done.said;
+    ASSERT_EQ(done.exit, 0) << done.printed;
+    EXPECT_NE(done.printed.find("systemctl enable anogated\nsystemctl restart anogated\n"), std::string::npos) << done.printed;
+    EXPECT_NE(done.printed.find("http://127.0.0.1:8088/"), std::string::npos) << done.printed;
     const json fc = written().at("links").at(0);
     EXPECT_EQ(fc.at("device"), device.path());
     EXPECT_EQ(fc.at("baud"), 115200);
@@ -74,7 +74,7 @@ TEST_F(AnoctlSetup, opens_the_page_signed_in) {
 TEST_F(AnoctlSetup, keeps_a_copy_of_the_previous_configuration) {
     dir.write("anogate.json", "{\"links\": [\"sim:fc\"]}");
     ASSERT_EQ(setup({device.path(), "--baud", "115200", "--yes"}).exit, 0);
-    EXPECT_EQ(text_of(config + ".old"), "{\"links\": [\"sim:fc\"]}");
+    EXPECT_EQ(file_text(config + ".old"), "{\"links\": [\"sim:fc\"]}");
     EXPECT_EQ(written().at("links").at(0).at("device"), device.path());
 }
 
@@ -93,7 +93,7 @@ TEST_F(AnoctlSetup, detects_the_rate_from_received_frames) {
 TEST_F(AnoctlSetup, changes_nothing_when_it_cannot_ask_for_confirmation) {
     const Result refused = setup({device.path()});
     EXPECT_EQ(refused.exit, 2);
-    EXPECT_NE(refused.said.find("use --yes"), std::string::npos) << refused.said;
+    EXPECT_NE(refused.printed.find("use --yes"), std::string::npos) << refused.printed;
     EXPECT_FALSE(std::filesystem::exists(config));
 }
 
@@ -101,8 +101,8 @@ TEST_F(AnoctlSetup, shows_how_to_find_out_why_the_service_does_not_start) {
     dir.write("systemctl", "#!/bin/sh\nexit 1\n");
     const Result failed = setup({device.path(), "--baud", "115200", "--yes"});
     EXPECT_EQ(failed.exit, 1);
-    EXPECT_NE(failed.said.find("systemctl enable failed; for the reason: journalctl -u anogated"), std::string::npos)
-        << failed.said;
+    EXPECT_NE(failed.printed.find("systemctl enable failed; for the reason: journalctl -u anogated"), std::string::npos)
+        << failed.printed;
 }
 
 }    // namespace

@@ -25,7 +25,7 @@ class AnoctlWeb : public testing::Test {
 protected:
     struct Result {
         int exit;
-        std::string said;
+        std::string printed;
     };
     Result web(std::vector<std::string> words, const std::vector<std::string>& environment = {}) const {
         words.insert(words.begin(), {"web", "--control", socket});
@@ -61,8 +61,8 @@ protected:
 TEST_F(AnoctlWeb, shows_the_urls_of_a_gateway_and_its_token_file) {
     start(R"({"http": "0.0.0.0:0", "hosts": ["vehicle.lan"], "token_file": ")" + (dir / "mine") + "\"}");
     const Result told = web({"--json"});
-    ASSERT_EQ(told.exit, 0) << told.said;
-    const json facts = json::parse(told.said);
+    ASSERT_EQ(told.exit, 0) << told.printed;
+    const json facts = json::parse(told.printed);
     const std::string port = std::to_string(facts.at("port").get<int>());
     EXPECT_EQ(facts.at("state"), "up");
     EXPECT_EQ(facts.at("address"), "0.0.0.0");
@@ -75,8 +75,8 @@ TEST_F(AnoctlWeb, shows_the_urls_of_a_gateway_and_its_token_file) {
 
     const Result words = web({});
     EXPECT_EQ(words.exit, 0);
-    EXPECT_NE(words.said.find("\nhttp://vehicle.lan:" + port + "/\n"), std::string::npos) << words.said;
-    EXPECT_NE(words.said.find("in " + (dir / "mine")), std::string::npos) << words.said;
+    EXPECT_NE(words.printed.find("\nhttp://vehicle.lan:" + port + "/\n"), std::string::npos) << words.printed;
+    EXPECT_NE(words.printed.find("in " + (dir / "mine")), std::string::npos) << words.printed;
 }
 
 TEST_F(AnoctlWeb, never_shows_a_token) {
@@ -84,7 +84,7 @@ TEST_F(AnoctlWeb, never_shows_a_token) {
     const std::string tokens = dir.write("mine", "control " + secret + "\n");
     std::filesystem::permissions(tokens, std::filesystem::perms{0600});
     start(R"({"http": "127.0.0.1:0", "token_file": ")" + tokens + "\"}");
-    const std::string told = web({}).said + web({"--json"}).said + daemon->status().dump();
+    const std::string told = web({}).printed + web({"--json"}).printed + daemon->status().dump();
     EXPECT_NE(told.find(tokens), std::string::npos) << told;
     EXPECT_EQ(told.find(secret), std::string::npos) << told;
 }
@@ -95,9 +95,10 @@ TEST_F(AnoctlWeb, of_a_loopback_address_shows_how_another_computer_can_connect) 
     const Result told = web({});
     EXPECT_EQ(told.exit, 0);
     EXPECT_EQ(
-        told.said.find("http://127.0.0.1:" + port + "/\nhttp://localhost:" + port + "/\naccessible from this computer only"), 0u)
-        << told.said;
-    EXPECT_NE(told.said.find("ssh -L " + port + ":127.0.0.1:" + port + " "), std::string::npos) << told.said;
+        told.printed.find("http://127.0.0.1:" + port + "/\nhttp://localhost:" + port + "/\naccessible from this computer only"),
+        0u)
+        << told.printed;
+    EXPECT_NE(told.printed.find("ssh -L " + port + ":127.0.0.1:" + port + " "), std::string::npos) << told.printed;
 }
 
 TEST_F(AnoctlWeb, shows_how_to_switch_http_on) {
@@ -105,19 +106,19 @@ TEST_F(AnoctlWeb, shows_how_to_switch_http_on) {
     const Result off = web({});
     EXPECT_EQ(off.exit, 1);
     EXPECT_EQ(
-        off.said,
+        off.printed,
         "anoctl: the HTTP interface is off; add \"control\": {\"http\": \"0.0.0.0:8088\"} to " + (dir / "anogate.json") +
             ", or start anogated with --http 0.0.0.0:8088, and restart it; 127.0.0.1:8088 limits access to this computer\n");
     const Result as_json = web({"--json"});
     EXPECT_EQ(as_json.exit, 1);
-    EXPECT_EQ(as_json.said.find("{\"urls\":[],\"state\":\"off\"}\n"), 0u) << as_json.said;
+    EXPECT_EQ(as_json.printed.find("{\"urls\":[],\"state\":\"off\"}\n"), 0u) << as_json.printed;
 }
 
 TEST_F(AnoctlWeb, reports_why_http_is_off) {
     start(R"({"http": "127.0.0.1:0", "tls": {"certificate": ")" + (dir / "none") + R"(", "key": ")" + (dir / "none") + "\"}}");
     const Result shut = web({});
     EXPECT_EQ(shut.exit, 1);
-    EXPECT_EQ(shut.said.find("anoctl: no HTTP: control.tls: " + (dir / "none") + ": "), 0u) << shut.said;
+    EXPECT_EQ(shut.printed.find("anoctl: no HTTP: control.tls: " + (dir / "none") + ": "), 0u) << shut.printed;
 }
 
 // The browser reads a file of its user and signs in; the code is on no command line.
@@ -127,19 +128,19 @@ TEST_F(AnoctlWeb, opens_a_signed_in_browser_on_this_computer) {
     const std::vector<std::string> environment{"PATH=" + dir.path().string() + ":/usr/bin:/bin", "HOME=" + dir.path().string(),
                                                "SUDO_USER="};
     const Result opened = web({"--open"}, environment);
-    EXPECT_EQ(opened.exit, 0) << opened.said;
-    EXPECT_NE(opened.said.find("opens file://" + (dir / "anogate-")), std::string::npos) << opened.said;
-    EXPECT_NE(opened.said.find("mode 600\nleads to http://localhost:" + std::to_string(port) + "/\n{\"access\": \"control\"}"),
+    EXPECT_EQ(opened.exit, 0) << opened.printed;
+    EXPECT_NE(opened.printed.find("opens file://" + (dir / "anogate-")), std::string::npos) << opened.printed;
+    EXPECT_NE(opened.printed.find("mode 600\nleads to http://localhost:" + std::to_string(port) + "/\n{\"access\": \"control\"}"),
               std::string::npos)
-        << opened.said;
-    EXPECT_NE(web({"--open", "--view"}, environment).said.find("{\"access\": \"view\"}"), std::string::npos);
+        << opened.printed;
+    EXPECT_NE(web({"--open", "--view"}, environment).printed.find("{\"access\": \"view\"}"), std::string::npos);
     for (const auto& entry : std::filesystem::directory_iterator{dir.path()})
         EXPECT_NE(entry.path().extension(), ".html") << "it is removed";
     const Result without = web({"--open"}, {"PATH=" + (dir / "empty"), "HOME=" + dir.path().string(), "SUDO_USER="});
     EXPECT_EQ(without.exit, 1);
-    EXPECT_NE(without.said.find("xdg-open is not installed (package xdg-utils); open it yourself: http://localhost:"),
+    EXPECT_NE(without.printed.find("xdg-open is not installed (package xdg-utils); open it yourself: http://localhost:"),
               std::string::npos)
-        << without.said;
+        << without.printed;
 }
 
 // The code in that page is valid until it is used.
@@ -173,24 +174,24 @@ TEST_F(AnoctlWeb, leaves_no_page_with_a_code_when_a_signal_ends_it) {
 TEST_F(AnoctlWeb, shows_a_link_as_a_qr_code_that_signs_in_once) {
     const std::uint16_t port = start_with_tokens();
     const Result shown = web({"--qr"});
-    ASSERT_EQ(shown.exit, 0) << shown.said;
-    EXPECT_NE(shown.said.find("▀"), std::string::npos) << shown.said;
-    const auto at = shown.said.find(":" + std::to_string(port) + "/#once=");
-    ASSERT_NE(at, std::string::npos) << shown.said;
-    const std::string code = shown.said.substr(shown.said.find("#once=") + 6, 32);
+    ASSERT_EQ(shown.exit, 0) << shown.printed;
+    EXPECT_NE(shown.printed.find("▀"), std::string::npos) << shown.printed;
+    const auto at = shown.printed.find(":" + std::to_string(port) + "/#once=");
+    ASSERT_NE(at, std::string::npos) << shown.printed;
+    const std::string code = shown.printed.substr(shown.printed.find("#once=") + 6, 32);
     EXPECT_EQ(signed_in(port, code), "{\"access\": \"control\"}\n");
     EXPECT_NE(signed_in(port, code).find("\"error\""), std::string::npos) << "it was used";
-    const std::string link = json::parse(web({"--qr", "--view", "--json"}).said).at("link");
+    const std::string link = json::parse(web({"--qr", "--view", "--json"}).printed).at("link");
     EXPECT_EQ(signed_in(port, link.substr(link.find("#once=") + 6)), "{\"access\": \"view\"}\n");
 }
 
 TEST_F(AnoctlWeb, shows_digits_that_sign_in_once) {
     const std::uint16_t port = start_with_tokens();
     const Result shown = web({"--pair"});
-    ASSERT_EQ(shown.exit, 0) << shown.said;
-    EXPECT_EQ(shown.said.find("\nType these digits instead of the token at http"), 6u) << shown.said;
-    EXPECT_EQ(signed_in(port, shown.said.substr(0, 6)), "{\"access\": \"control\"}\n");
-    const json told = json::parse(web({"--pair", "--view", "--json"}).said);
+    ASSERT_EQ(shown.exit, 0) << shown.printed;
+    EXPECT_EQ(shown.printed.find("\nType these digits instead of the token at http"), 6u) << shown.printed;
+    EXPECT_EQ(signed_in(port, shown.printed.substr(0, 6)), "{\"access\": \"control\"}\n");
+    const json told = json::parse(web({"--pair", "--view", "--json"}).printed);
     EXPECT_EQ(told.at("expires_s"), 300);
     EXPECT_EQ(signed_in(port, told.at("digits")), "{\"access\": \"view\"}\n");
 }
@@ -199,16 +200,16 @@ TEST_F(AnoctlWeb, of_a_loopback_address_shows_no_qr_code) {
     start(R"({"http": "127.0.0.1:0"})");
     const Result refused = web({"--qr"});
     EXPECT_EQ(refused.exit, 1);
-    EXPECT_NE(refused.said.find("a phone cannot reach the page: control.http listens only on 127.0.0.1"), std::string::npos)
-        << refused.said;
+    EXPECT_NE(refused.printed.find("a phone cannot reach the page: control.http listens only on 127.0.0.1"), std::string::npos)
+        << refused.printed;
     EXPECT_EQ(web({"--view"}).exit, 2);
     EXPECT_EQ(web({"--qr", "--pair"}).exit, 2);
 }
 
 TEST_F(AnoctlWeb, makes_a_certificate_that_the_gateway_accepts_and_clients_trust) {
     const Result made = web({"--make-certificate", "--into", dir / "", "--json"});    // no gateway runs
-    ASSERT_EQ(made.exit, 0) << made.said;
-    const json facts = json::parse(made.said);
+    ASSERT_EQ(made.exit, 0) << made.printed;
+    const json facts = json::parse(made.printed);
     EXPECT_EQ(facts.at("certificate"), dir / "certificate.pem");
     struct stat key {};
     ASSERT_EQ(::stat((dir / "key.pem").c_str(), &key), 0);
@@ -227,33 +228,33 @@ TEST_F(AnoctlWeb, makes_a_certificate_that_the_gateway_accepts_and_clients_trust
         EXPECT_EQ(curl.output(), "0");
     }
     const Result told = web({});
-    EXPECT_EQ(told.said.find("https://127.0.0.1:" + port + "/\n"), 0u) << told.said;
-    EXPECT_NE(told.said.find("SHA-256 fingerprint " + facts.at("fingerprint").get<std::string>()), std::string::npos)
-        << told.said;
+    EXPECT_EQ(told.printed.find("https://127.0.0.1:" + port + "/\n"), 0u) << told.printed;
+    EXPECT_NE(told.printed.find("SHA-256 fingerprint " + facts.at("fingerprint").get<std::string>()), std::string::npos)
+        << told.printed;
 }
 
 TEST_F(AnoctlWeb, shows_what_to_configure_for_its_certificate) {
     const Result made = web({"--make-certificate", "--into", dir.path().string()});
-    ASSERT_EQ(made.exit, 0) << made.said;
-    EXPECT_NE(made.said.find("    \"control\": {\"tls\": {\"certificate\":\"" + (dir / "certificate.pem") + "\",\"key\":\"" +
-                             (dir / "key.pem") + "\"}}\n"),
+    ASSERT_EQ(made.exit, 0) << made.printed;
+    EXPECT_NE(made.printed.find("    \"control\": {\"tls\": {\"certificate\":\"" + (dir / "certificate.pem") + "\",\"key\":\"" +
+                                (dir / "key.pem") + "\"}}\n"),
               std::string::npos)
-        << made.said;
+        << made.printed;
     for (const char* word : {"localhost", "127.0.0.1", ".local", "SHA-256"})
-        EXPECT_NE(made.said.find(word), std::string::npos) << word << " in\n" << made.said;
+        EXPECT_NE(made.printed.find(word), std::string::npos) << word << " in\n" << made.printed;
 }
 
 TEST_F(AnoctlWeb, never_overwrites_a_certificate_and_reports_folders_it_cannot_write_to) {
     dir.write("key.pem", "mine");
     const Result there = web({"--make-certificate", "--into", dir.path().string()});
     EXPECT_EQ(there.exit, 1);
-    EXPECT_EQ(there.said, "anoctl: " + (dir / "key.pem") +
-                              " already exists and is not overwritten; move it away, or choose another folder with --into\n");
+    EXPECT_EQ(there.printed, "anoctl: " + (dir / "key.pem") +
+                                 " already exists and is not overwritten; move it away, or choose another folder with --into\n");
     EXPECT_FALSE(std::filesystem::exists(dir / "certificate.pem"));
-    EXPECT_EQ(web({"--make-certificate", "--into", dir / "none"}).said,
+    EXPECT_EQ(web({"--make-certificate", "--into", dir / "none"}).printed,
               "anoctl: folder not found: " + (dir / "none") + "; choose another folder with --into\n");
     if (::geteuid() != 0) {
-        EXPECT_NE(web({"--make-certificate", "--into", "/usr"}).said.find("permission denied: cannot write to /usr"),
+        EXPECT_NE(web({"--make-certificate", "--into", "/usr"}).printed.find("permission denied: cannot write to /usr"),
                   std::string::npos);
     }
     EXPECT_EQ(web({"--into", dir / ""}).exit, 2);

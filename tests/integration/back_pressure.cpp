@@ -123,17 +123,17 @@ TEST(BackPressure, a_reader_unplugged_in_the_middle_of_a_frame_starts_with_a_who
     ASSERT_TRUE(daemon.until_up("slow"));
     UdpPeer air;
     std::uint32_t n = 0;
-    const auto say = [&] {
+    const auto send = [&] {
         air.send(daemon.port("air"), numbered(n++));
         return daemon.until([&] { return daemon.count("air", "frames_in") == n; });
     };
-    while (daemon.count("slow", "waiting") < 20) ASSERT_TRUE(say());
+    while (daemon.count("slow", "waiting") < 20) ASSERT_TRUE(send());
     slow.unplug();
     ASSERT_TRUE(daemon.until_waiting("slow"));
     EXPECT_GE(daemon.count("slow", "link_down"), 20u);
     slow.plug();
     ASSERT_TRUE(daemon.until_up("slow"));
-    ASSERT_TRUE(say());
+    ASSERT_TRUE(send());
     EXPECT_TRUE(daemon.until([&] { return slow.heard() == numbered(n - 1); })) << "nothing old, nothing torn";
     EXPECT_TRUE(daemon.counters_add_up());
 }
@@ -146,16 +146,16 @@ TEST(BackPressure, a_stuck_reader_without_pacing_receives_the_newest_telemetry_o
     ASSERT_TRUE(daemon.until_up("stuck"));
     UdpPeer air;
     std::uint64_t n = 0;
-    const auto say = [&](const Bytes& bytes) {
+    const auto send = [&](const Bytes& bytes) {
         air.send(daemon.port("air"), bytes);
         ++n;
         return daemon.until([&] { return daemon.count("air", "frames_in") == n; });
     };
     std::uint32_t number = 0;
-    while (daemon.count("stuck", "waiting") < 2) ASSERT_TRUE(say(numbered(number++)));
+    while (daemon.count("stuck", "waiting") < 2) ASSERT_TRUE(send(numbered(number++)));
     const auto before = daemon.count("stuck", "waiting");
     Bytes newest;
-    for (std::uint8_t i = 0; i < 20; ++i) ASSERT_TRUE(say(newest = frame(0xDC, 0xFE, 0x03, {i, 2, 3, 4, 5, 6, 0})));
+    for (std::uint8_t i = 0; i < 20; ++i) ASSERT_TRUE(send(newest = frame(0xDC, 0xFE, 0x03, {i, 2, 3, 4, 5, 6, 0})));
     EXPECT_EQ(daemon.count("stuck", "superseded"), 19u);
     EXPECT_EQ(daemon.count("stuck", "waiting"), before + 1);
     ASSERT_TRUE(daemon.until([&] {

@@ -33,7 +33,7 @@ protected:
         begin_change(settings);
         EXPECT_TRUE(gateway->until([this] { return changed; }));
     }
-    bool hears(UdpPeer& peer, const Bytes& bytes) {
+    bool receives(UdpPeer& peer, const Bytes& bytes) {
         return gateway->until([&] {
             const Bytes& all = peer.heard();
             return std::search(all.begin(), all.end(), bytes.begin(), bytes.end()) != all.end();
@@ -263,7 +263,7 @@ TEST_F(Change, half_a_frame_received_before_a_change_is_completed_after_it) {
     settings.links.pop_back();
     change(settings);
     device.write(std::span{whole}.subspan(9));
-    EXPECT_TRUE(hears(peer, whole));
+    EXPECT_TRUE(receives(peer, whole));
     device.write(std::span{whole}.first(9));    // and one on a removed link has no effect on the others
     ASSERT_TRUE(gateway->until([&] { return gateway->count("fc", "bytes_in") == whole.size() + 9; }));
     settings.links[0].max_data = 100;
@@ -271,7 +271,7 @@ TEST_F(Change, half_a_frame_received_before_a_change_is_completed_after_it) {
     ASSERT_TRUE(gateway->until_up("fc"));
     const Bytes next = numbered(fc, host, 8);
     device.write(next);
-    EXPECT_TRUE(hears(peer, next));
+    EXPECT_TRUE(receives(peer, next));
     EXPECT_EQ(gateway->count("fc", "skipped_bytes"), 0u);
 }
 
@@ -312,7 +312,7 @@ TEST_F(Change, routes_aliases_and_unknown_follow_the_links) {
         static int number = 100;
         const Bytes f = numbered(gps, address, ++number);
         device.write(f);
-        return hears(peer, f) && not_peer.frames().empty();
+        return receives(peer, f) && not_peer.frames().empty();
     };
     EXPECT_TRUE(goes_to(55, a, b));
     EXPECT_TRUE(goes_to(70, a, b));
@@ -333,14 +333,14 @@ TEST_F(Change, routes_aliases_and_unknown_follow_the_links) {
     ASSERT_TRUE(gateway->until_up("flow"));
     EXPECT_EQ(gateway->route("0x1F").at("via"), "pinned");
     device.write(numbered(gps, 51, 1));
-    EXPECT_TRUE(hears(a, numbered(31, 51, 1)));
+    EXPECT_TRUE(receives(a, numbered(31, 51, 1)));
     settings.aliases.clear();
     change(settings);
     ASSERT_TRUE(gateway->until_up("flow"));
     EXPECT_TRUE(gateway->route("0x1F").is_null());
     a.frames();
     device.write(numbered(gps, 51, 2));
-    EXPECT_TRUE(hears(a, numbered(gps, 51, 2)));
+    EXPECT_TRUE(receives(a, numbered(gps, 51, 2)));
 }
 
 TEST_F(Change, links_share_a_group_exactly_if_their_group_names_are_equal) {
@@ -395,7 +395,7 @@ TEST_F(Change, the_tunnel_stays_or_restarts) {
         from.write(frame(
             fc, 0xE6, 0xB1,
             Bytes{0, 0, 0, 0, 127, 0, 0, 1, static_cast<std::uint8_t>(port), static_cast<std::uint8_t>(port >> 8)} + inner));
-        return hears(peer, inner);
+        return receives(peer, inner);
     };
     ASSERT_TRUE(carry(device));
     const auto port = gateway->port("tunnel");

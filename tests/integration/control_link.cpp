@@ -40,13 +40,14 @@ bool has_link(ControlDoor& door, const std::string& name) {
 
 class ControlLinkOfOnePeer : public testing::Test {
 protected:
-    bool until_open(Ear& ear) {
-        return door.gateway.until([&] { return ear.is_open(); }) && door.gateway.until([&] { return has_link(door, "control"); });
+    bool until_open(MessageClient& message_client) {
+        return door.gateway.until([&] { return message_client.is_open(); }) &&
+               door.gateway.until([&] { return has_link(door, "control"); });
     }
     bool until_channels(std::size_t count) {
         return door.gateway.until([&] { return door.gateway.link("control").at("channels").size() == count; });
     }
-    bool hears(const Bytes& wanted) {
+    bool receives(const Bytes& wanted) {
         return door.gateway.until([&] { return peer.heard() == wanted; });
     }
     void send(const Bytes& bytes) { peer.send(door.gateway.port("peer"), bytes); }
@@ -61,16 +62,16 @@ TEST_F(ControlLinkOfOnePeer, does_not_exist_until_it_is_used) {
     EXPECT_FALSE(has_link(door, "control"));
     EXPECT_EQ(door.ask("GET", "/link").status, 426u);
     EXPECT_FALSE(has_link(door, "control"));
-    Ear program{door, "/link"};
+    MessageClient program{door, "/link"};
     ASSERT_TRUE(until_open(program));
     EXPECT_EQ(door.gateway.link("control").at("state"), "up");
 }
 
 TEST_F(ControlLinkOfOnePeer, a_program_is_a_channel_like_any_other) {
-    Ear a{door, "/link?name=a"}, b{door, "/link?name=b"};
+    MessageClient a{door, "/link?name=a"}, b{door, "/link?name=b"};
     ASSERT_TRUE(until_open(a) && until_open(b) && until_channels(2));
-    a.say(from_program + frame(0xA1, 0xFF, 0x09, {1}));
-    EXPECT_TRUE(hears(from_program + frame(0xA1, 0xFF, 0x09, {1}))) << "one message, two frames";
+    a.send(from_program + frame(0xA1, 0xFF, 0x09, {1}));
+    EXPECT_TRUE(receives(from_program + frame(0xA1, 0xFF, 0x09, {1}))) << "one message, two frames";
     EXPECT_TRUE(door.gateway.until([&] { return b.bytes() == from_program + frame(0xA1, 0xFF, 0x09, {1}); }));
     EXPECT_TRUE(a.messages().empty()) << "never back";
     EXPECT_EQ(door.gateway.route("0xA1").at("links"), json{"control"});
@@ -89,50 +90,50 @@ TEST_F(ControlLinkOfOnePeer, a_program_is_a_channel_like_any_other) {
 }
 
 TEST_F(ControlLinkOfOnePeer, bytes_that_are_not_a_whole_frame_are_counted_and_reported) {
-    Ear program{door, "/link"};
+    MessageClient program{door, "/link"};
     ASSERT_TRUE(until_open(program) && until_channels(1));
     Bytes half = from_program;
     half.resize(9);
-    program.say(frame(0xA1, 0xFF, 0x09, {1}) + half);
-    program.say(from_program);    // the rest of a message is not the beginning of the next
-    EXPECT_TRUE(hears(frame(0xA1, 0xFF, 0x09, {1}) + from_program));
+    program.send(frame(0xA1, 0xFF, 0x09, {1}) + half);
+    program.send(from_program);    // the rest of a message is not the beginning of the next
+    EXPECT_TRUE(receives(frame(0xA1, 0xFF, 0x09, {1}) + from_program));
     ASSERT_TRUE(door.gateway.until([&] { return program.texts().size() == 1; }));
     EXPECT_EQ(json::parse(program.texts().front()).at("error"),
               "9 bytes of a message were not part of a complete frame and were ignored");
     EXPECT_EQ(door.gateway.count("control", "skipped_bytes"), 9u);
-    program.say("hello", WebSocket::Kind::text);
+    program.send("hello", WebSocket::Kind::text);
     ASSERT_TRUE(door.gateway.until([&] { return program.texts().size() == 2; }));
     EXPECT_NE(program.texts().back().find("text messages are not accepted"), std::string::npos);
-    program.say(Bytes{});
-    program.say(from_program);
+    program.send(Bytes{});
+    program.send(from_program);
     EXPECT_TRUE(door.gateway.until([&] { return door.gateway.count("control", "frames_in") == 3; }));
     EXPECT_EQ(program.texts().size(), 2u);
 }
 
 TEST_F(ControlLinkOfOnePeer, a_program_can_have_a_port_id) {
-    Ear program{door, "/link?name=camera&id=7"}, other{door, "/link"};
+    MessageClient program{door, "/link?name=camera&id=7"}, other{door, "/link"};
     ASSERT_TRUE(until_open(program) && until_open(other) && until_channels(2));
     const Bytes to_port = frame(0xDC, 7, 0x03, {1, 2, 3, 4, 5, 6, 7});
     send(to_port);
     EXPECT_TRUE(door.gateway.until([&] { return program.bytes() == to_port; }));
     EXPECT_TRUE(other.messages().empty());
     EXPECT_EQ(door.gateway.route("0x07").at("via"), "port");
-    Ear second{door, "/link?id=0x07"};
+    MessageClient second{door, "/link?id=0x07"};
     ASSERT_TRUE(door.gateway.until([&] { return second.ended.has_value(); }));
     EXPECT_EQ(second.ended->answer.status, 409u);
     for (const std::string wrong : {"id=21", "id=0", "id=x", "name=", "name=a%07b"}) {
-        Ear refused{door, "/link?" + wrong};
+        MessageClient refused{door, "/link?" + wrong};
         ASSERT_TRUE(door.gateway.until([&] { return refused.ended.has_value(); })) << wrong;
         EXPECT_EQ(refused.ended->answer.status, 400u) << wrong;
     }
     program.leave();
     EXPECT_TRUE(until_channels(1));
-    Ear next{door, "/link?id=7"};
+    MessageClient next{door, "/link?id=7"};
     EXPECT_TRUE(until_open(next));
 }
 
 TEST_F(ControlLinkOfOnePeer, a_program_is_closed_when_a_link_or_the_gateway_gets_its_port_id) {
-    Ear camera{door, "/link?id=7"}, lamp{door, "/link?id=8"}, radio{door, "/link?id=9"};
+    MessageClient camera{door, "/link?id=7"}, lamp{door, "/link?id=8"}, radio{door, "/link?id=9"};
     ASSERT_TRUE(until_open(camera) && until_open(lamp) && until_open(radio) && until_channels(3));
     anogate::Gateway& gateway = door.gateway.gateway();
     anogate::Settings settings = gateway.settings();
@@ -156,7 +157,7 @@ TEST_F(ControlLinkOfOnePeer, a_program_that_does_not_read_has_a_bounded_queue) {
         "Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: MDEyMzQ1Njc4OWFiY2RlZg==\r\n\r\n";
     ASSERT_EQ(::send(fd, request.data(), request.size(), MSG_NOSIGNAL), static_cast<ssize_t>(request.size()));
     ASSERT_TRUE(door.gateway.until([&] { return has_link(door, "control"); }) && until_channels(1));
-    Ear reads{door, "/link"};
+    MessageClient reads{door, "/link"};
     ASSERT_TRUE(until_open(reads) && until_channels(2));
     const auto dropped = [&] { return door.gateway.count("control", "queue_full"); };
     for (int i = 0; i < 2000 && dropped() == 0; ++i) {
@@ -180,9 +181,9 @@ TEST(ControlLink, supports_the_same_rules_as_any_other_link) {
     settings.control.rules.limit = {{0x03, 0.001}};
     ControlDoor door{settings};
     EXPECT_TRUE(has_link(door, "control")) << "from the start: it is configured";
-    Ear program{door, "/link"};
+    MessageClient program{door, "/link"};
     ASSERT_TRUE(door.gateway.until([&] { return program.is_open() && door.gateway.link("control").at("channels").size() == 1; }));
-    program.say(frame(0xA1, 0xFF, 0x09, {1}) + from_program);
+    program.send(frame(0xA1, 0xFF, 0x09, {1}) + from_program);
     EXPECT_TRUE(door.gateway.until([&] { return peer.heard() == from_program; }));
     EXPECT_EQ(door.gateway.count("control", "denied_in"), 1u);
     for (const std::uint8_t id : {std::uint8_t{0x01}, std::uint8_t{0x03}, std::uint8_t{0x03}})
@@ -202,15 +203,15 @@ TEST_F(ControlLinkOfOnePeer, the_answer_names_the_links_that_sent_a_frame) {
     ASSERT_EQ(told.at("sent").size(), 1u) << sent.body;
     EXPECT_EQ(told.at("sent").at(0).at("link"), "peer");
     EXPECT_TRUE(told.at("waiting").empty() && told.at("dropped").empty()) << sent.body;
-    EXPECT_TRUE(hears(command));
+    EXPECT_TRUE(receives(command));
     EXPECT_EQ(door.gateway.count("control", "frames_in"), 1u);
     const Answer as_json = door.ask("POST", "/send", R"({"to": 255, "name": "wind", "fields": {"wind_x": 1}})");
     EXPECT_EQ(as_json.status, 200u) << as_json.body;
-    EXPECT_TRUE(hears(command + frame(0xFE, 0xFF, 0x09, {1, 0, 0, 0})));
+    EXPECT_TRUE(receives(command + frame(0xFE, 0xFF, 0x09, {1, 0, 0, 0})));
 }
 
 TEST_F(ControlLinkOfOnePeer, a_sent_frame_does_not_change_routing) {
-    Ear program{door, "/link"};
+    MessageClient program{door, "/link"};
     ASSERT_TRUE(until_open(program) && until_channels(1));
     EXPECT_EQ(door.ask("POST", "/send", R"({"from": 254, "to": 255, "name": "wind"})").status, 200u);
     EXPECT_EQ(door.ask("POST", "/send", R"({"from": 30, "to": 255, "name": "wind"})").status, 200u);

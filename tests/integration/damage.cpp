@@ -23,7 +23,7 @@ struct Pair {
         if (!daemon->until_up("a") || !daemon->until_up("b")) throw std::runtime_error{"no ptys"};
     }
     /// Waits until everything is read; meanwhile reads b.
-    bool say(std::span<const std::uint8_t> bytes) {
+    bool send(std::span<const std::uint8_t> bytes) {
         said += bytes.size();
         return daemon->until(
             [&] {
@@ -46,7 +46,7 @@ TEST(Damage, a_false_header_does_not_lose_the_eight_good_frames_after_it) {
         Bytes good;
         for (std::uint8_t n = 0; n < 8; ++n) good = good + frame(0xDC, 0xFE, 0x03, {n, round, 0, 0, 0, 0, 0});
         expected = expected + good;
-        ASSERT_TRUE(pair.say(hex("AB DC FE 01 FF 00") + good));
+        ASSERT_TRUE(pair.send(hex("AB DC FE 01 FF 00") + good));
         ASSERT_TRUE(pair.daemon->until([&] { return pair.b.heard().size() == expected.size(); })) << "round " << int{round};
     }
     EXPECT_EQ(pair.b.heard(), expected);
@@ -54,14 +54,14 @@ TEST(Damage, a_false_header_does_not_lose_the_eight_good_frames_after_it) {
 
 TEST(Damage, a_false_header_in_a_steady_stream_delays_frames_for_less_than_two_seconds) {
     Pair pair;
-    ASSERT_TRUE(pair.say(hex("AB DC FE 01 FF 0F")));
+    ASSERT_TRUE(pair.send(hex("AB DC FE 01 FF 0F")));
     const auto begin = anogate::Clock::now();
     Bytes expected;
     bool through = false;
     for (std::uint8_t n = 0; n < 250 && !through; ++n) {    // a frame every 10 ms: the line is never quiet for 50 ms
         const Bytes good = frame(0xDC, 0xFE, 0x03, {n, 0, 0, 0, 0, 0, 0});
         expected = expected + good;
-        ASSERT_TRUE(pair.say(good));
+        ASSERT_TRUE(pair.send(good));
         pair.daemon->run_for(10ms);
         through = !pair.b.heard().empty();
     }
@@ -75,12 +75,12 @@ TEST(Damage, a_mebibyte_of_noise_is_not_forwarded_and_adds_no_route) {
     Random random{7};
     Bytes noise(1 << 20);
     for (auto& byte : noise) byte = random.byte();
-    ASSERT_TRUE(pair.say(noise));
+    ASSERT_TRUE(pair.send(noise));
     EXPECT_EQ(pair.daemon->count("a", "frames_in"), 0u) << "this noise holds no frame by chance";
     EXPECT_TRUE(pair.daemon->status().at("routes").empty());
     EXPECT_GT(pair.daemon->count("a", "bad_check"), 0u);
     EXPECT_GT(pair.daemon->count("a", "bad_length"), 0u);
-    ASSERT_TRUE(pair.say(vendor::i_am_an_mcu));
+    ASSERT_TRUE(pair.send(vendor::i_am_an_mcu));
     EXPECT_TRUE(pair.daemon->until([&] { return pair.b.heard() == vendor::i_am_an_mcu; }));
     EXPECT_EQ(pair.daemon->count("a", "skipped_bytes"), noise.size());
 }
@@ -95,7 +95,7 @@ TEST(Damage, one_wrong_bit_loses_only_one_frame) {
         else expected = expected + next;
         stream = stream + next;
     }
-    ASSERT_TRUE(pair.say(stream));
+    ASSERT_TRUE(pair.send(stream));
     EXPECT_TRUE(pair.daemon->until([&] { return pair.b.heard().size() >= expected.size(); }));
     EXPECT_EQ(pair.b.heard(), expected);
 }
@@ -106,27 +106,27 @@ TEST(Damage, the_largest_possible_frame_passes_where_it_is_allowed) {
     Random random{3};
     for (auto& byte : data) byte = random.byte();
     const Bytes image = frame(0xDF, 0xFE, 0xB0, data);
-    ASSERT_TRUE(pair.say(image));
+    ASSERT_TRUE(pair.send(image));
     EXPECT_TRUE(pair.daemon->until([&] { return pair.b.heard().size() == image.size(); }));
     EXPECT_TRUE(pair.b.heard() == image);
 }
 
 TEST(Damage, a_frame_longer_than_allowed_is_rejected_by_its_header) {
     Pair pair{200};
-    ASSERT_TRUE(pair.say(frame(0xDF, 0xFE, 0xB0, Bytes(201, 0)) + vendor::i_am_an_mcu));
+    ASSERT_TRUE(pair.send(frame(0xDF, 0xFE, 0xB0, Bytes(201, 0)) + vendor::i_am_an_mcu));
     EXPECT_TRUE(pair.daemon->until([&] { return pair.b.heard() == vendor::i_am_an_mcu; }));
     EXPECT_EQ(pair.daemon->count("a", "bad_length"), 1u);
 }
 
 TEST(Damage, the_start_of_a_frame_before_an_unplug_is_not_joined_to_bytes_after_it) {
     Pair pair;
-    ASSERT_TRUE(pair.say(std::span{vendor::i_am_an_mcu}.first(12)));
+    ASSERT_TRUE(pair.send(std::span{vendor::i_am_an_mcu}.first(12)));
     pair.a.unplug();
     ASSERT_TRUE(pair.daemon->until_waiting("a"));
     pair.a.plug();
     ASSERT_TRUE(pair.daemon->until_up("a"));
-    ASSERT_TRUE(pair.say(std::span{vendor::i_am_an_mcu}.subspan(12)));
-    ASSERT_TRUE(pair.say(vendor::written));
+    ASSERT_TRUE(pair.send(std::span{vendor::i_am_an_mcu}.subspan(12)));
+    ASSERT_TRUE(pair.send(vendor::written));
     EXPECT_TRUE(pair.daemon->until([&] { return pair.b.heard() == vendor::written; }));
 }
 

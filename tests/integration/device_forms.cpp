@@ -103,7 +103,7 @@ TEST_P(DeviceForms, a_fresh_export_is_imported_without_a_difference) {
     }
     const std::string file = dir / "backup.json";
     ASSERT_EQ(run({"param", "export", file}).exit, 0);
-    const json backup = json::parse(text_of(file));
+    const json backup = json::parse(file_text(file));
     EXPECT_EQ(backup.at("name"), names.device);
     EXPECT_TRUE(backup.at("parameters").contains(names.gain));
     const Ran same = run({"param", "import", file, "--with-calibration"});
@@ -129,7 +129,7 @@ TEST(DeviceFormsByLink, are_read_without_a_gateway) {
         const Ran exported = anoctl({"param", "export", file, "--yes"}, place);
         ASSERT_EQ(exported.exit, 0) << exported.output;
         EXPECT_TRUE(contains(exported.output, chinese.device)) << exported.output;
-        EXPECT_TRUE(contains(text_of(file), "\"横滚P\": 7")) << form;
+        EXPECT_TRUE(contains(file_text(file), "\"横滚P\": 7")) << form;
         EXPECT_EQ(anoctl({"param", "diff", file, "--with-calibration"}, place).output, "no differences\n") << form;
         EXPECT_EQ(anoctl({"param", "set", "横滚P", "3"}, place).output, "横滚P=3\n") << form;
         EXPECT_EQ(anoctl({"command", "call", "起飞", "150", "--yes"}, place).exit, 0) << form;

@@ -91,7 +91,7 @@ protected:
         sent += frames;
         return bytes;
     }
-    void say(End& from) {
+    void send(End& from) {
         if (from.peer) {
             from.peer->send(from.port, random_frames(from, frames_at_once));
             return;
@@ -100,7 +100,7 @@ protected:
         from.unsent.erase(from.unsent.begin(),
                           from.unsent.begin() + static_cast<std::ptrdiff_t>(from.device->write(from.unsent)));
     }
-    void hear(End& at) {
+    void receive(End& at) {
         if (at.device) {
             for (Bytes some = at.device->read(); !some.empty(); some = at.device->read()) parse(at, some);
         } else {
@@ -163,7 +163,7 @@ TEST_F(EightLinks, forward_ten_million_random_frames_while_links_go_up_and_down)
     std::uint64_t pulled = 0;
     while (sent < frames_to_send) {
         End& talker = ends[random.below(count)];
-        if (!talker.device || talker.device->fd() >= 0) say(talker);
+        if (!talker.device || talker.device->fd() >= 0) send(talker);
         if (random.one_in(rounds_between_pulls)) {
             pull_and_plug(ends[random.below(count)]);
             ++pulled;
@@ -171,7 +171,7 @@ TEST_F(EightLinks, forward_ten_million_random_frames_while_links_go_up_and_down)
         daemon->io().restart();
         daemon->io().poll();
         for (End& end : ends)
-            if (!random.one_in(4)) hear(end);    // readers are sometimes late
+            if (!random.one_in(4)) receive(end);    // readers are sometimes late
         if (HasFatalFailure()) return;
         if (++rounds % 10'000 == 0 && !daemon->counters_add_up()) FAIL() << "after " << rounds << " rounds";
     }
@@ -179,7 +179,7 @@ TEST_F(EightLinks, forward_ten_million_random_frames_while_links_go_up_and_down)
     for (End& end : ends)
         if (end.device && end.device->fd() < 0) end.device->plug();
     ASSERT_TRUE(daemon->until([&] {
-        for (End& end : ends) hear(end);
+        for (End& end : ends) receive(end);
         for (std::size_t i = 0; i < count; ++i)
             if (daemon->count("link" + std::to_string(i), "waiting") != 0) return false;
         return true;

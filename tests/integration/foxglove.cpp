@@ -36,11 +36,11 @@ const std::vector<Field> offers{{"Sec-WebSocket-Protocol", "foxglove.websocket.v
 class Plotter {
 public:
     explicit Plotter(ControlDoor& door, const std::string& target = "/", const std::vector<Field>& headers = offers)
-        : ear{door, target, headers} {}
+        : message_client{door, target, headers} {}
 
     std::vector<json> said(const std::string& op) const {
         std::vector<json> all;
-        for (const std::string& text : ear.texts())
+        for (const std::string& text : message_client.texts())
             if (json one = json::parse(text); one.at("op") == op) all.push_back(std::move(one));
         return all;
     }
@@ -51,19 +51,19 @@ public:
                 if (one.at("topic") == topic) return one;
         return nullptr;
     }
-    void say(const json& message) { ear.say(message.dump(), Kind::text); }
+    void send(const json& message) { message_client.send(message.dump(), Kind::text); }
     void subscribe(unsigned id, const json& channel) {
-        say({{"op", "subscribe"}, {"subscriptions", {{{"id", id}, {"channelId", channel.at("id")}}}}});
+        send({{"op", "subscribe"}, {"subscriptions", {{{"id", id}, {"channelId", channel.at("id")}}}}});
     }
     std::size_t shown(unsigned id) const {
         std::size_t count = 0;
         const std::string head = anogate::foxglove::message_data(id, 0, "").substr(0, 5);
-        for (const std::string& message : ear.messages())
+        for (const std::string& message : message_client.messages())
             if (message.starts_with(head)) ++count;
         return count;
     }
 
-    Ear ear;
+    MessageClient message_client;
 };
 
 class Foxglove : public testing::Test {
@@ -83,12 +83,12 @@ protected:
     /// The messages of a client are handled in the next turns of the loop.
     bool until_heard(Plotter& plotter) {
         const std::string id = "heard " + std::to_string(++questions_);
-        plotter.say({{"op", "getParameters"}, {"id", id}});
-        std::size_t looked_at = plotter.ear.texts().size();
+        plotter.send({{"op", "getParameters"}, {"id", id}});
+        std::size_t looked_at = plotter.message_client.texts().size();
         bool is_answered = false;
         until([&] {
-            for (; looked_at < plotter.ear.texts().size() && !is_answered; ++looked_at)
-                is_answered = plotter.ear.texts()[looked_at].find('"' + id + '"') != std::string::npos;
+            for (; looked_at < plotter.message_client.texts().size() && !is_answered; ++looked_at)
+                is_answered = plotter.message_client.texts()[looked_at].find('"' + id + '"') != std::string::npos;
             return is_answered;
         });
         door.gateway.run_for(20ms);    // filters change after that
@@ -105,14 +105,14 @@ private:
 TEST_F(Foxglove, a_client_of_the_subprotocol_at_the_root_path_receives_server_info_and_channels) {
     Plotter plotter{door};
     ASSERT_TRUE(until([&] { return plotter.said("advertise").size() == 1; }));
-    EXPECT_EQ(json::parse(plotter.ear.texts().front()).at("op"), "serverInfo");
+    EXPECT_EQ(json::parse(plotter.message_client.texts().front()).at("op"), "serverInfo");
     EXPECT_EQ(plotter.channel("/anogate/frames").at("schemaName"), "ano_msgs/msg/RecordedFrame");
     send(euler);
     ASSERT_TRUE(until([&] { return !plotter.channel("/a/device_220/euler").is_null(); }));
     const json channel = plotter.channel("/a/device_220/euler");
     EXPECT_EQ(channel.at("encoding"), "cdr");
     EXPECT_EQ(channel.at("schemaEncoding"), "ros2msg");
-    EXPECT_TRUE(plotter.ear.messages().empty()) << "nothing is subscribed";
+    EXPECT_TRUE(plotter.message_client.messages().empty()) << "nothing is subscribed";
 }
 
 TEST_F(Foxglove, only_subscribed_channels_are_sent) {
@@ -124,12 +124,12 @@ TEST_F(Foxglove, only_subscribed_channels_are_sent) {
     ASSERT_TRUE(until_heard(plotter));
     for (int i = 0; i < 3; ++i) send(euler + wind);
     ASSERT_TRUE(until([&] { return plotter.shown(7) == 3; })) << plotter.shown(7);
-    EXPECT_EQ(plotter.ear.messages().size(), 3u);
-    plotter.say({{"op", "unsubscribe"}, {"subscriptionIds", {7}}});
+    EXPECT_EQ(plotter.message_client.messages().size(), 3u);
+    plotter.send({{"op", "unsubscribe"}, {"subscriptionIds", {7}}});
     ASSERT_TRUE(until_heard(plotter));
     send(euler);
     door.gateway.run_for(100ms);
-    EXPECT_EQ(plotter.ear.messages().size(), 3u);
+    EXPECT_EQ(plotter.message_client.messages().size(), 3u);
     EXPECT_TRUE(plotter.said("status").empty());
 }
 
@@ -162,7 +162,7 @@ TEST_F(Foxglove, a_second_subscription_loses_no_messages_of_the_first) {
     for (unsigned i = 0; i < 20; ++i) {
         for (int n = 0; n < 10; ++n, ++sent) send(euler);
         if (i % 2 == 0) plotter.subscribe(2, plotter.channel("/a/device_221/wind"));
-        else plotter.say({{"op", "unsubscribe"}, {"subscriptionIds", {2}}});
+        else plotter.send({{"op", "unsubscribe"}, {"subscriptionIds", {2}}});
         door.gateway.run_for(3ms);    // within the interval of a batch
     }
     EXPECT_TRUE(until([&] { return plotter.shown(1) == sent; })) << plotter.shown(1) << " of " << sent;
@@ -175,7 +175,7 @@ TEST_F(Foxglove, frames_are_sent_with_their_cause_whether_forwarded_or_dropped) 
     ASSERT_TRUE(until_heard(plotter));
     send(frame(0xDC, 0x00, 0x03, {1}));    // to 0x00, which has no receiver
     EXPECT_TRUE(until([&] { return plotter.shown(3) == 2; }));
-    EXPECT_NE(plotter.ear.messages().back().find("no_route"), std::string::npos);
+    EXPECT_NE(plotter.message_client.messages().back().find("no_route"), std::string::npos);
 }
 
 TEST_F(Foxglove, messages_are_json_if_requested) {
@@ -188,19 +188,19 @@ TEST_F(Foxglove, messages_are_json_if_requested) {
     ASSERT_TRUE(until_heard(plotter));
     send(euler);
     ASSERT_TRUE(until([&] { return plotter.shown(0) == 1; }));
-    EXPECT_EQ(json::parse(plotter.ear.messages().front().substr(13)).at("rol"), 1.23);
+    EXPECT_EQ(json::parse(plotter.message_client.messages().front().substr(13)).at("rol"), 1.23);
     Plotter wrong{door, "/foxglove?encoding=protobuf"};
-    ASSERT_TRUE(until([&] { return wrong.ear.ended.has_value(); }));
-    EXPECT_EQ(wrong.ear.ended->answer.status, 400u);
-    EXPECT_NE(wrong.ear.ended->answer.body.find("'encoding' must be cdr or json, not 'protobuf'"), std::string::npos);
+    ASSERT_TRUE(until([&] { return wrong.message_client.ended.has_value(); }));
+    EXPECT_EQ(wrong.message_client.ended->answer.status, 400u);
+    EXPECT_NE(wrong.message_client.ended->answer.body.find("'encoding' must be cdr or json, not 'protobuf'"), std::string::npos);
 }
 
 TEST_F(Foxglove, the_path_foxglove_requires_the_subprotocol) {
     Plotter plotter{door, "/foxglove"}, without{door, "/foxglove", {}};
     EXPECT_TRUE(until([&] { return !plotter.said("serverInfo").empty(); }));
-    ASSERT_TRUE(until([&] { return without.ear.ended.has_value(); }));
-    EXPECT_EQ(without.ear.ended->answer.status, 400u);
-    EXPECT_NE(without.ear.ended->answer.body.find("needs the subprotocol foxglove.sdk.v1"), std::string::npos);
+    ASSERT_TRUE(until([&] { return without.message_client.ended.has_value(); }));
+    EXPECT_EQ(without.message_client.ended->answer.status, 400u);
+    EXPECT_NE(without.message_client.ended->answer.body.find("needs the subprotocol foxglove.sdk.v1"), std::string::npos);
     EXPECT_EQ(door.ask("GET", "/foxglove").status, 426u);
 }
 
@@ -211,10 +211,10 @@ TEST_F(Foxglove, frames_are_not_observed_after_the_last_client_disconnects) {
     ASSERT_TRUE(until_told(one, "/a/device_220/euler"));
     one.subscribe(1, one.channel("/a/device_220/euler"));
     ASSERT_TRUE(until_heard(one));
-    one.ear.leave();
+    one.message_client.leave();
     door.gateway.run_for(50ms);
     EXPECT_TRUE(is_watched());
-    two.ear.leave();
+    two.message_client.leave();
     EXPECT_TRUE(until([&] { return !is_watched(); }));
     Plotter again{door};
     ASSERT_TRUE(until_told(again, "/a/device_220/euler"));
@@ -229,20 +229,20 @@ TEST_F(Foxglove, a_later_client_receives_the_channels_found_earlier) {
 
 TEST_F(Foxglove, invalid_messages_are_answered_and_too_large_ones_close_the_connection) {
     Plotter plotter{door};
-    ASSERT_TRUE(until([&] { return plotter.ear.is_open(); }));
-    plotter.ear.say("nonsense", Kind::text);
-    plotter.ear.say({'\1', '\2'}, Kind::binary);
-    plotter.say({{"op", "setParameters"}, {"parameters", {{{"name", "a/220/X"}, {"value", 1}}}}});
+    ASSERT_TRUE(until([&] { return plotter.message_client.is_open(); }));
+    plotter.message_client.send("nonsense", Kind::text);
+    plotter.message_client.send({'\1', '\2'}, Kind::binary);
+    plotter.send({{"op", "setParameters"}, {"parameters", {{{"name", "a/220/X"}, {"value", 1}}}}});
     ASSERT_TRUE(until([&] { return plotter.said("status").size() == 3; }));
     for (const json& status : plotter.said("status")) EXPECT_EQ(status.at("level"), 2) << status;
     for (unsigned i = 0; i < 2000; ++i) {
-        plotter.say({{"op", "subscribe"}, {"subscriptions", {{{"id", i}, {"channelId", 999}}}}});
+        plotter.send({{"op", "subscribe"}, {"subscriptions", {{{"id", i}, {"channelId", 999}}}}});
         if (i % 200 == 0) door.gateway.run_for(1ms);
     }
     ASSERT_TRUE(until_heard(plotter));
     EXPECT_GT(plotter.said("status").size(), 3u);
-    plotter.ear.say(std::string(65 * 1024, ' '), Kind::text);
-    EXPECT_TRUE(until([&] { return plotter.ear.ended.has_value(); }));
+    plotter.message_client.send(std::string(65 * 1024, ' '), Kind::text);
+    EXPECT_TRUE(until([&] { return plotter.message_client.ended.has_value(); }));
     EXPECT_TRUE(door.gateway.counters_add_up());
 }
 
@@ -271,7 +271,7 @@ TEST_F(Foxglove, a_slow_client_delays_no_other_one_and_receives_a_report_of_lost
         send(big);
         ASSERT_TRUE(until_in(i + 1));
         if (i % 20 > 0) continue;
-        ASSERT_TRUE(until([&] { return awake.ear.messages().size() == 2 * (i + 1); })) << "who reads misses nothing";
+        ASSERT_TRUE(until([&] { return awake.message_client.messages().size() == 2 * (i + 1); })) << "who reads misses nothing";
     }
     EXPECT_TRUE(awake.said("status").empty());
     std::string heard;
@@ -294,7 +294,7 @@ protected:
     }
     /// The answer to a question; null: there was none.
     json answer(const json& names, const std::string& id) {
-        plotter.say({{"op", "getParameters"}, {"parameterNames", names}, {"id", id}});
+        plotter.send({{"op", "getParameters"}, {"parameterNames", names}, {"id", id}});
         json found;
         EXPECT_TRUE(until([&] {
             for (const json& one : plotter.said("parameterValues"))
@@ -319,14 +319,14 @@ TEST_F(FoxgloveParameters, are_read_from_devices_by_name_and_listed_from_then_on
     EXPECT_EQ(plotter.said("status").size(), 1u) << "9 is not heard";
     EXPECT_EQ(answer(json::array(), "behind").size(), 2u);
     Plotter another{door};
-    ASSERT_TRUE(until([&] { return another.ear.is_open(); }));
-    another.say({{"op", "getParameters"}, {"parameterNames", json::array()}, {"id", "x"}});
+    ASSERT_TRUE(until([&] { return another.message_client.is_open(); }));
+    another.send({{"op", "getParameters"}, {"parameterNames", json::array()}, {"id", "x"}});
     ASSERT_TRUE(until([&] { return !another.said("parameterValues").empty(); }));
     EXPECT_EQ(another.said("parameterValues").front().at("parameters").size(), 2u);
 }
 
 TEST_F(FoxgloveParameters, that_others_write_are_sent_to_subscribed_clients) {
-    plotter.say({{"op", "subscribeParameterUpdates"}, {"parameterNames", {"fc/220/SIM_SWAY"}}});
+    plotter.send({{"op", "subscribeParameterUpdates"}, {"parameterNames", {"fc/220/SIM_SWAY"}}});
     EXPECT_EQ(door.ask("PUT", "/devices/0xDC/parameters/SIM_SWAY", R"({"value": 12.5})").status, 200u);
     ASSERT_TRUE(until([&] { return !plotter.said("parameterValues").empty(); }));
     const json told = plotter.said("parameterValues").front();
@@ -336,18 +336,18 @@ TEST_F(FoxgloveParameters, that_others_write_are_sent_to_subscribed_clients) {
 
 TEST_F(FoxgloveParameters, are_not_written) {
     const json before = answer({"fc/220/SIM_SWAY"}, "before");
-    plotter.say({{"op", "setParameters"}, {"parameters", {{{"name", "fc/220/SIM_SWAY"}, {"value", 77}}}}, {"id", "x"}});
+    plotter.send({{"op", "setParameters"}, {"parameters", {{{"name", "fc/220/SIM_SWAY"}, {"value", 77}}}}, {"id", "x"}});
     ASSERT_TRUE(until([&] { return !plotter.said("status").empty(); }));
     EXPECT_EQ(answer({"fc/220/SIM_SWAY"}, "behind"), before);
 }
 
 TEST_F(FoxgloveParameters, that_a_disconnected_client_requested_cause_no_harm) {
     for (int i = 0; i < 10; ++i)
-        plotter.say({{"op", "getParameters"}, {"parameterNames", {"fc/220/SIM_SWAY"}}, {"id", std::to_string(i)}});
+        plotter.send({{"op", "getParameters"}, {"parameterNames", {"fc/220/SIM_SWAY"}}, {"id", std::to_string(i)}});
     door.gateway.run_for(1ms);
-    plotter.ear.leave();
+    plotter.message_client.leave();
     Plotter another{door};
-    ASSERT_TRUE(until([&] { return another.ear.is_open(); }));
+    ASSERT_TRUE(until([&] { return another.message_client.is_open(); }));
     door.gateway.run_for(300ms);
     EXPECT_TRUE(another.said("parameterValues").empty());
 }

@@ -36,11 +36,11 @@ struct Seen {
 };
 
 /// The messages that a binary watcher received.
-Seen seen(const Ear& ear) {
+Seen seen(const MessageClient& message_client) {
     Seen result;
-    for (const std::string& message : ear.messages()) {
+    for (const std::string& message : message_client.messages()) {
         std::string_view rest = message;
-        while (const auto record = anogate::take_record(rest)) {
+        while (const auto record = anogate::next_record(rest)) {
             const bool is_dropped = record->direction == Direction::dropped;
             ++result.count[std::string{is_dropped ? anogate::frame_causes()[record->cause] : text(record->direction)}];
             result.frames.emplace_back(record->frame.bytes().begin(), record->frame.bytes().end());
@@ -52,15 +52,15 @@ Seen seen(const Ear& ear) {
 
 class Frames : public testing::Test {
 protected:
-    bool until_open(const Ear& ear) {
-        return door.gateway.until([&] { return ear.is_open(); });
+    bool until_open(const MessageClient& message_client) {
+        return door.gateway.until([&] { return message_client.is_open(); });
     }
     /// The first text contains the numbers: from then on it receives frames.
-    bool until_watches(const Ear& ear) {
-        return door.gateway.until([&] { return !ear.texts().empty(); });
+    bool until_watches(const MessageClient& message_client) {
+        return door.gateway.until([&] { return !message_client.texts().empty(); });
     }
-    bool until_seen(const Ear& ear, std::size_t count) {
-        return door.gateway.until([&] { return seen(ear).frames.size() == count; });
+    bool until_seen(const MessageClient& message_client, std::size_t count) {
+        return door.gateway.until([&] { return seen(message_client).frames.size() == count; });
     }
     void send(const Bytes& bytes) { a.send(door.gateway.port("a"), bytes); }
     bool until_in(std::size_t count) {
@@ -72,17 +72,17 @@ protected:
 };
 
 TEST_F(Frames, binary_clients_receive_the_numbering_first_and_then_each_frame) {
-    Ear ear{door, "/frames?format=binary"};
-    ASSERT_TRUE(until_watches(ear));
-    const json tables = json::parse(ear.texts().front());
+    MessageClient message_client{door, "/frames?format=binary"};
+    ASSERT_TRUE(until_watches(message_client));
+    const json tables = json::parse(message_client.texts().front());
     EXPECT_EQ(tables.at("links"), (json{"a", "b"}));
     EXPECT_EQ(tables.at("channels").size(), 2u);
     EXPECT_EQ(tables.at("causes").at(0), nullptr);
     const auto before = std::chrono::system_clock::now().time_since_epoch();
     send(euler);
-    ASSERT_TRUE(until_seen(ear, 2));
-    std::string_view rest = ear.messages().front();
-    const auto in = anogate::take_record(rest);
+    ASSERT_TRUE(until_seen(message_client, 2));
+    std::string_view rest = message_client.messages().front();
+    const auto in = anogate::next_record(rest);
     ASSERT_TRUE(in);
     EXPECT_EQ(in->direction, Direction::in);
     EXPECT_EQ(tables.at("links").at(in->link), "a");
@@ -93,23 +93,24 @@ TEST_F(Frames, binary_clients_receive_the_numbering_first_and_then_each_frame) {
     EXPECT_GT(time, before - 1s);
     EXPECT_LT(time, before + 60s);
     EXPECT_GT(in->boottime_ns, 0u);
-    const Seen all = seen(ear);
+    const Seen all = seen(message_client);
     EXPECT_EQ(all.count, (std::map<std::string, std::size_t>{{"in", 1}, {"out", 1}}));
     EXPECT_TRUE(all.is_whole);
     EXPECT_EQ(all.frames.at(1), euler);
 }
 
 TEST_F(Frames, that_a_client_receives_add_up_to_the_counters) {
-    Ear ear{door, "/frames?format=binary"};
-    ASSERT_TRUE(until_watches(ear));
+    MessageClient message_client{door, "/frames?format=binary"};
+    ASSERT_TRUE(until_watches(message_client));
     std::size_t sent = 0;
     for (std::uint8_t n = 0; n < 100; ++n) {
         send(frame(0xDC, 0xFF, 0x03, {n}) + frame(0xDC, 0x00, 0x03, {n}));    // to 0x00, which has no receiver
         sent += 2;
     }
     ASSERT_TRUE(until_in(sent));
-    ASSERT_TRUE(door.gateway.until([&] { return seen(ear).frames.size() == sent + 200; })) << seen(ear).frames.size();
-    const Seen all = seen(ear);
+    ASSERT_TRUE(door.gateway.until([&] { return seen(message_client).frames.size() == sent + 200; }))
+        << seen(message_client).frames.size();
+    const Seen all = seen(message_client);
     EXPECT_EQ(all.count.at("in"), door.gateway.count("a", "frames_in"));
     EXPECT_EQ(all.count.at("no_route"), door.gateway.count("a", "no_route"));
     EXPECT_EQ(all.count.at("out") + (all.count.contains("superseded") ? all.count.at("superseded") : 0), 100u);
@@ -117,27 +118,27 @@ TEST_F(Frames, that_a_client_receives_add_up_to_the_counters) {
 }
 
 TEST_F(Frames, changed_numbers_are_sent_before_the_next_frame) {
-    Ear ear{door, "/frames?format=binary"};
-    ASSERT_TRUE(until_watches(ear));
-    Ear program{door, "/link?name=camera"};
+    MessageClient message_client{door, "/frames?format=binary"};
+    ASSERT_TRUE(until_watches(message_client));
+    MessageClient program{door, "/link?name=camera"};
     ASSERT_TRUE(until_open(program));
     ASSERT_TRUE(door.gateway.until([&] { return door.gateway.status().at("links").size() == 3; }));
-    program.say(wind);
-    ASSERT_TRUE(until_seen(ear, 3)) << "in, and out by both links";
-    ASSERT_GE(ear.texts().size(), 2u);
-    const json tables = json::parse(ear.texts().back());
+    program.send(wind);
+    ASSERT_TRUE(until_seen(message_client, 3)) << "in, and out by both links";
+    ASSERT_GE(message_client.texts().size(), 2u);
+    const json tables = json::parse(message_client.texts().back());
     EXPECT_EQ(tables.at("links"), (json{"a", "b", "control"}));
     EXPECT_EQ(tables.at("channels").at(2), "camera");
-    std::string_view rest = ear.messages().front();
-    EXPECT_EQ(anogate::take_record(rest)->channel, 2);
+    std::string_view rest = message_client.messages().front();
+    EXPECT_EQ(anogate::next_record(rest)->channel, 2);
 }
 
 TEST_F(Frames, are_sent_as_one_json_message_each) {
-    Ear ear{door, "/frames"};
+    MessageClient message_client{door, "/frames"};
     ASSERT_TRUE(door.gateway.until([&] { return door.gateway.gateway().forwarder().is_observed(); }));
     send(euler);
-    ASSERT_TRUE(door.gateway.until([&] { return ear.texts().size() == 2; }));
-    const json in = json::parse(ear.texts().at(0)), out = json::parse(ear.texts().at(1));
+    ASSERT_TRUE(door.gateway.until([&] { return message_client.texts().size() == 2; }));
+    const json in = json::parse(message_client.texts().at(0)), out = json::parse(message_client.texts().at(1));
     EXPECT_EQ(in.at("name"), "euler");
     EXPECT_EQ(in.at("fields").at("rol"), 1.23);
     EXPECT_EQ(in.at("link"), "a");
@@ -147,8 +148,9 @@ TEST_F(Frames, are_sent_as_one_json_message_each) {
 }
 
 TEST_F(Frames, with_the_address_of_a_device_on_another_link_are_marked_and_can_be_omitted) {
-    Ear all{door, "/frames?format=binary&direction=in"}, believed{door, "/frames?format=binary&direction=in&elsewhere=no"};
-    Ear lines{door, "/frames?direction=in"};
+    MessageClient all{door, "/frames?format=binary&direction=in"},
+        believed{door, "/frames?format=binary&direction=in&elsewhere=no"};
+    MessageClient lines{door, "/frames?direction=in"};
     ASSERT_TRUE(until_watches(all) && until_watches(believed));
     send(euler);
     ASSERT_TRUE(until_in(1));
@@ -159,7 +161,7 @@ TEST_F(Frames, with_the_address_of_a_device_on_another_link_are_marked_and_can_b
     std::vector<bool> marks;
     for (const std::string& message : all.messages()) {
         std::string_view rest = message;
-        while (const auto record = anogate::take_record(rest)) marks.push_back(record->is_elsewhere);
+        while (const auto record = anogate::next_record(rest)) marks.push_back(record->is_elsewhere);
     }
     EXPECT_EQ(marks, (std::vector<bool>{false, true, false}));
     EXPECT_EQ(seen(believed).frames, (std::vector<Bytes>{euler, wind}));
@@ -169,13 +171,13 @@ TEST_F(Frames, with_the_address_of_a_device_on_another_link_are_marked_and_can_b
 }
 
 TEST_F(Frames, filters_select_frames_and_wrong_ones_are_reported) {
-    Ear ear{door, "/frames?format=binary&id=wind&direction=out&link=b&from=0xDD"};
-    ASSERT_TRUE(until_watches(ear));
+    MessageClient message_client{door, "/frames?format=binary&id=wind&direction=out&link=b&from=0xDD"};
+    ASSERT_TRUE(until_watches(message_client));
     send(euler);
     send(wind);
     ASSERT_TRUE(until_in(2));
-    ASSERT_TRUE(until_seen(ear, 1));
-    EXPECT_EQ(seen(ear).frames.front(), wind);
+    ASSERT_TRUE(until_seen(message_client, 1));
+    EXPECT_EQ(seen(message_client).frames.front(), wind);
     const auto refused = [&](const std::string& query) {
         const Answer answer = door.ask("GET", "/frames?" + query);
         EXPECT_EQ(answer.status, 400u) << answer.body;
@@ -186,39 +188,39 @@ TEST_F(Frames, filters_select_frames_and_wrong_ones_are_reported) {
               "elsewhere, batch and format");
     EXPECT_EQ(refused("link=aa"), "there is no link 'aa'; use one of control, a, b");
     EXPECT_EQ(refused("format=binary"), "format=binary needs a WebSocket; lines are JSON");
-    Ear wrong{door, "/frames?id=wnd"};
+    MessageClient wrong{door, "/frames?id=wnd"};
     ASSERT_TRUE(door.gateway.until([&] { return wrong.ended.has_value(); }));
     EXPECT_EQ(wrong.ended->answer.status, 400u);
     EXPECT_NE(wrong.ended->answer.body.find("did you mean 'wind'?"), std::string::npos) << wrong.ended->answer.body;
 }
 
 TEST_F(Frames, are_batched_for_the_requested_time_after_the_first_one) {
-    Ear ear{door, "/frames?format=binary&direction=in&batch=200ms"};
-    ASSERT_TRUE(until_watches(ear));
+    MessageClient message_client{door, "/frames?format=binary&direction=in&batch=200ms"};
+    ASSERT_TRUE(until_watches(message_client));
     std::size_t sent = 0;
-    for (std::size_t messages = 0; messages < 4; messages = ear.messages().size()) {
+    for (std::size_t messages = 0; messages < 4; messages = message_client.messages().size()) {
         for (int i = 0; i < 20; ++i) {    // too few to fill a batch
             send(euler);
             ASSERT_TRUE(until_in(++sent));
         }
-        ASSERT_TRUE(door.gateway.until([&] { return ear.messages().size() > messages; }));
+        ASSERT_TRUE(door.gateway.until([&] { return message_client.messages().size() > messages; }));
     }
-    ASSERT_TRUE(until_seen(ear, sent));
+    ASSERT_TRUE(until_seen(message_client, sent));
     std::vector<std::chrono::nanoseconds> begun;
-    for (const std::string& message : ear.messages()) {
+    for (const std::string& message : message_client.messages()) {
         std::string_view rest = message;
-        begun.emplace_back(anogate::take_record(rest)->time_ns);
+        begun.emplace_back(anogate::next_record(rest)->time_ns);
     }
     for (std::size_t i = 1; i < begun.size(); ++i) EXPECT_GT(begun[i] - begun[i - 1], 150ms);
 }
 
 // The loop is awake at that time, so a message needs no wake-up of its own.
 TEST_F(Frames, are_sent_early_when_another_frame_arrives_shortly_before_their_time) {
-    Ear ear{door, "/frames?format=binary&direction=in&batch=200ms"};
-    ASSERT_TRUE(until_watches(ear));
+    MessageClient message_client{door, "/frames?format=binary&direction=in&batch=200ms"};
+    ASSERT_TRUE(until_watches(message_client));
     const auto is_early = [](const std::string& message) {
         std::vector<std::chrono::nanoseconds> times;
-        for (std::string_view rest = message; const auto record = anogate::take_record(rest);)
+        for (std::string_view rest = message; const auto record = anogate::next_record(rest);)
             times.emplace_back(record->time_ns);
         return times.size() > 1 && times.back() - times.front() < 190ms;
     };
@@ -226,7 +228,8 @@ TEST_F(Frames, are_sent_early_when_another_frame_arrives_shortly_before_their_ti
     for (std::size_t sent = 0, looked_at = 0; looked_at < 50 && !some_are; std::this_thread::sleep_for(5ms)) {
         send(euler);
         ASSERT_TRUE(until_in(++sent));
-        for (; looked_at < ear.messages().size(); ++looked_at) some_are = some_are || is_early(ear.messages()[looked_at]);
+        for (; looked_at < message_client.messages().size(); ++looked_at)
+            some_are = some_are || is_early(message_client.messages()[looked_at]);
     }
     EXPECT_TRUE(some_are) << "each waited for its time";
 }
@@ -255,11 +258,11 @@ TEST_F(Frames, are_an_endless_stream_of_lines_without_an_upgrade) {
 }
 
 TEST_F(Frames, that_were_dropped_are_sent_with_their_cause) {
-    Ear ear{door, "/frames?direction=dropped&format=binary"};
-    ASSERT_TRUE(until_watches(ear));
+    MessageClient message_client{door, "/frames?direction=dropped&format=binary"};
+    ASSERT_TRUE(until_watches(message_client));
     send(frame(0xDC, 0x00, 0x03, {1}));
-    ASSERT_TRUE(until_seen(ear, 1));
-    EXPECT_EQ(seen(ear).count, (std::map<std::string, std::size_t>{{"no_route", 1}}));
+    ASSERT_TRUE(until_seen(message_client, 1));
+    EXPECT_EQ(seen(message_client).count, (std::map<std::string, std::size_t>{{"no_route", 1}}));
 }
 
 // Reads nothing at first, and everything on request.
@@ -287,7 +290,7 @@ private:
 };
 
 TEST_F(Frames, a_client_that_does_not_read_delays_no_other_one_and_receives_a_report_of_lost_frames) {
-    Ear awake{door, "/frames?format=binary&direction=in"};
+    MessageClient awake{door, "/frames?format=binary&direction=in"};
     ASSERT_TRUE(until_watches(awake));
     Sleeper sleeper{door.path, "/frames?direction=in"};
     constexpr std::size_t count = 800;
@@ -339,7 +342,7 @@ TEST_F(Frames, a_client_that_reads_nothing_for_too_long_is_closed) {
 TEST_F(Frames, are_observed_only_while_a_client_watches) {
     const auto is_watched = [&] { return door.gateway.gateway().forwarder().is_observed(); };
     EXPECT_FALSE(is_watched());
-    Ear one{door, "/frames?format=binary"}, two{door, "/frames?format=binary&id=wind"};
+    MessageClient one{door, "/frames?format=binary"}, two{door, "/frames?format=binary&id=wind"};
     ASSERT_TRUE(until_watches(one) && until_watches(two));
     EXPECT_TRUE(is_watched());
     one.leave();
@@ -349,7 +352,7 @@ TEST_F(Frames, are_observed_only_while_a_client_watches) {
     EXPECT_TRUE(door.gateway.until([&] { return !is_watched(); }));
     EXPECT_EQ(door.ask("POST", "/send", R"({"to": 255, "name": "wind"})").status, 200u);
     EXPECT_FALSE(is_watched());
-    Ear again{door, "/frames?format=binary"};
+    MessageClient again{door, "/frames?format=binary"};
     ASSERT_TRUE(until_watches(again));
     send(wind);
     EXPECT_TRUE(until_seen(again, 2));

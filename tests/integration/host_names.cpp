@@ -156,13 +156,13 @@ TEST(SlowNames, do_not_block_the_loop_and_do_not_delay_the_shutdown) {
     ASSERT_TRUE(daemon.until_answers()) << daemon.output();
     UdpPeer ground{"127.0.0.1:0"};
     std::size_t frames = 0, queries = 0;
-    const auto hear = [&] {
+    const auto receive = [&] {
         ground.send(daemon.port("ground"), vendor::who_are_you);
         frames += ground.frames().size();
         Bytes query(512);
         while (::recv(server.fd(), query.data(), query.size(), MSG_DONTWAIT) > 0) ++queries;
     };
-    ASSERT_TRUE(wait_until([&] { return hear(), frames > 100 && queries > 0; }));
+    ASSERT_TRUE(wait_until([&] { return receive(), frames > 100 && queries > 0; }));
     EXPECT_LE(queries, 4u) << "one lookup, of two kinds of addresses, for three links";
     EXPECT_EQ(daemon.status().at("gateway").at("standstills"), 0);
     const auto start = ano::Clock::now();

@@ -51,17 +51,17 @@ TEST_P(HttpServer, reports_a_request_that_ended_before_it_was_complete) {
     client.send("GET /sho");
     client.end_output();
     EXPECT_TRUE(until([&] { return client.is_closed(); }));
-    EXPECT_TRUE(is_told(client.heard(), "400 Bad Request", "the request ended before it was complete")) << client.heard();
+    EXPECT_TRUE(has_error(client.heard(), "400 Bad Request", "the request ended before it was complete")) << client.heard();
 }
 
 TEST_F(HttpServer, reports_too_large_and_invalid_requests_and_closes_the_connection) {
     const std::string large = std::string(200'000, 'x');
-    EXPECT_TRUE(is_told(answer("GET / HTTP/1.1\r\nX: " + large + "\r\n\r\n"), "431 Request Header Fields Too Large",
-                        "the header of a request has at most 8192 bytes"));
-    EXPECT_TRUE(is_told(answer("POST /echo HTTP/1.1\r\nContent-Length: 200000\r\n\r\n" + large), "413 Payload Too Large",
-                        "the body of a request has at most 65536 bytes"));
-    EXPECT_TRUE(is_told(answer("\x01\x02 HELLO\r\n\r\n" + large), "400 Bad Request", "this is not an HTTP request"));
-    EXPECT_TRUE(is_told(answer("GET / HTTP/3.0\r\n\r\n"), "400 Bad Request", "this is not a request of HTTP/1.0 or HTTP/1.1"));
+    EXPECT_TRUE(has_error(answer("GET / HTTP/1.1\r\nX: " + large + "\r\n\r\n"), "431 Request Header Fields Too Large",
+                          "the header of a request has at most 8192 bytes"));
+    EXPECT_TRUE(has_error(answer("POST /echo HTTP/1.1\r\nContent-Length: 200000\r\n\r\n" + large), "413 Payload Too Large",
+                          "the body of a request has at most 65536 bytes"));
+    EXPECT_TRUE(has_error(answer("\x01\x02 HELLO\r\n\r\n" + large), "400 Bad Request", "this is not an HTTP request"));
+    EXPECT_TRUE(has_error(answer("GET / HTTP/3.0\r\n\r\n"), "400 Bad Request", "this is not a request of HTTP/1.0 or HTTP/1.1"));
     const std::string two = answer(get("/short?n=one") + "GARBAGE\r\n\r\n");
     EXPECT_TRUE(two.starts_with("HTTP/1.1 200 OK")) << "what came before it is answered: " << two;
     EXPECT_NE(two.find("HTTP/1.1 400 Bad Request"), std::string::npos) << two;
@@ -70,7 +70,7 @@ TEST_F(HttpServer, reports_too_large_and_invalid_requests_and_closes_the_connect
 TEST_F(HttpServer, reports_a_lack_of_memory_and_when_to_retry) {
     const std::string words = "not enough memory for a request; try again";
     const auto told = [&](const std::string& answer) {
-        return is_told(answer, "503 Service Unavailable", words) && answer.find("Retry-After: 1\r\n") != answer.npos;
+        return has_error(answer, "503 Service Unavailable", words) && answer.find("Retry-After: 1\r\n") != answer.npos;
     };
     EXPECT_TRUE(told(answer(get("/none")))) << "it showed while the answer was made";
     Client in_time = connect();
@@ -111,7 +111,7 @@ TEST_P(ImpatientHttpServer, closes_silent_clients_and_those_that_never_complete_
     slow.send("GET /sho");
     EXPECT_TRUE(until([&] { return slow.send("r"), silent.is_closed() && slow.is_closed(); }));
     EXPECT_EQ(silent.heard(), "");
-    EXPECT_TRUE(is_told(slow.heard(), "408 Request Timeout", "the request was not complete within 100 ms")) << slow.heard();
+    EXPECT_TRUE(has_error(slow.heard(), "408 Request Timeout", "the request was not complete within 100 ms")) << slow.heard();
 }
 
 TEST_P(ImpatientHttpServer, closes_a_client_that_does_not_read_its_response) {
@@ -128,14 +128,14 @@ class SlowlyReadHttpServer : public HttpServer {
 protected:
     // Slightly longer than the server waits for a client that reads nothing.
     void read_slowly(Client& client) {
-        client.hear_a_little();
+        client.receive_some();
         client.send(get("/big"));
         for (const auto begin = std::chrono::steady_clock::now(); std::chrono::steady_clock::now() - begin < 900ms;) {
-            client.hear_a_little();
+            client.receive_some();
             io.restart();
             io.run_for(4ms);
         }
-        ASSERT_LT(client.hear_a_little(), std::size_t{16 << 20}) << "he is to be still at it";
+        ASSERT_LT(client.receive_some(), std::size_t{16 << 20}) << "he is to be still at it";
     }
 };
 
@@ -356,7 +356,7 @@ TEST_F(JudgingHttpServer, of_too_many_silent_clients_those_of_the_address_with_m
     for (int i = 0; i < 400; ++i) crowd.emplace_back(UniqueFd{support::connect_tcp(port, "127.9.0.1")});
     const auto closed = [&] { return std::count_if(crowd.begin(), crowd.end(), [](Client& one) { return one.is_closed(); }); };
     EXPECT_TRUE(until([&] { return static_cast<std::size_t>(closed()) >= 401 - Lobby::places; }));
-    EXPECT_EQ(server->gave_way().count, 401 - Lobby::places);
+    EXPECT_EQ(server->evicted().count, 401 - Lobby::places);
     EXPECT_FALSE(first.is_closed());
     EXPECT_FALSE(crowd.back().is_closed());
     first.send("GET /short?n=here HTTP/1.1\r\nHost: 127.0.0.1\r\n" + bearer("may-act") + "\r\n");
@@ -371,9 +371,9 @@ TEST_F(JudgingHttpServer, waiting_clients_use_at_most_half_of_the_descriptors) {
     const std::size_t used = before.rlim_cur - anogate::descriptors_left();
     const rlimit few{used + 16 + 100, before.rlim_max};    // 16 are for links
     ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &few), 0);
-    EXPECT_TRUE(until([&] { return server->gave_way().count >= 150; })) << server->gave_way().count;
+    EXPECT_TRUE(until([&] { return server->evicted().count >= 150; })) << server->evicted().count;
     EXPECT_GE(anogate::descriptors_left(), 16u + 50u);
-    EXPECT_LE(server->gave_way().count, 152u);
+    EXPECT_LE(server->evicted().count, 152u);
     ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &before), 0);
 }
 

@@ -19,13 +19,13 @@ TEST_F(HttpServer, stores_a_large_body_in_parts_and_a_small_one_in_memory) {
     EXPECT_TRUE(
         answer("POST /large HTTP/1.1\r\nConnection: close\r\nTransfer-Encoding: chunked\r\n\r\n" + chunk + chunk + "0\r\n\r\n")
             .ends_with("stored 131072"));
-    EXPECT_TRUE(is_told(answer(post_of((std::size_t{8} << 20) + 1)), "413 Payload Too Large",
-                        "the body of a request has at most 8388608 bytes"));
+    EXPECT_TRUE(has_error(answer(post_of((std::size_t{8} << 20) + 1)), "413 Payload Too Large",
+                          "the body of a request has at most 8388608 bytes"));
 }
 
 TEST_F(HttpServer, reports_why_a_large_body_cannot_be_stored) {
     keeping.fault = "there is no room";
-    EXPECT_TRUE(is_told(answer(post_of(1'000'000)), "507 Insufficient Storage", "there is no room"));
+    EXPECT_TRUE(has_error(answer(post_of(1'000'000)), "507 Insufficient Storage", "there is no room"));
 }
 
 TEST_F(HttpServer, stores_two_large_bodies_at_a_time_and_frees_those_of_closed_clients) {
@@ -40,7 +40,7 @@ TEST_F(HttpServer, stores_two_large_bodies_at_a_time_and_frees_those_of_closed_c
             return keeping.done.size() == i + 1;
         }));
     }
-    EXPECT_TRUE(is_told(answer(post_of(100'000)), "503 Service Unavailable", "other large uploads are in progress"));
+    EXPECT_TRUE(has_error(answer(post_of(100'000)), "503 Service Unavailable", "other large uploads are in progress"));
     EXPECT_TRUE(answer(post_of(1000)).ends_with("here 1000")) << "a small one needs no place";
     EXPECT_NE(answer(post_of(100'000)).find("Retry-After: 1\r\n"), std::string::npos);
     keeping.waits = false;
@@ -63,8 +63,8 @@ TEST_F(HttpServer, a_chunked_body_uses_the_quota_of_large_bodies_once_it_is_larg
     }
     const std::string head = "POST /large HTTP/1.1\r\nConnection: close\r\nTransfer-Encoding: chunked\r\n\r\n";
     EXPECT_TRUE(answer(head + "3e8\r\n" + std::string(1000, 'y') + "\r\n0\r\n\r\n").ends_with("here 1000"));
-    EXPECT_TRUE(is_told(answer(head + "20000\r\n" + std::string(0x20000, 'y') + "\r\n0\r\n\r\n"), "503 Service Unavailable",
-                        "other large uploads are in progress"));
+    EXPECT_TRUE(has_error(answer(head + "20000\r\n" + std::string(0x20000, 'y') + "\r\n0\r\n\r\n"), "503 Service Unavailable",
+                          "other large uploads are in progress"));
     for (const auto& done : std::exchange(keeping.done, {})) done("");
 }
 
@@ -90,7 +90,7 @@ TEST_F(HttpServer, a_client_that_sends_a_large_body_too_slowly_is_closed_for_ano
     })) << other.heard();
     EXPECT_TRUE(until([&] { return slow[0].is_closed() || slow[1].is_closed(); }));
     Client& gone = slow[0].is_closed() ? slow[0] : slow[1];
-    EXPECT_TRUE(is_told(gone.heard(), "408 Request Timeout", "the body was received too slowly for 50 ms")) << gone.heard();
+    EXPECT_TRUE(has_error(gone.heard(), "408 Request Timeout", "the body was received too slowly for 50 ms")) << gone.heard();
     EXPECT_FALSE(slow[0].is_closed() && slow[1].is_closed()) << "one place was enough";
 }
 
@@ -117,13 +117,13 @@ TEST_F(HttpServer, sends_100_continue_to_a_client_that_expects_it) {
 
 TEST_F(JudgingHttpServer, a_request_without_permission_is_rejected_before_a_large_body_is_received) {
     for (const std::string target : {"/large", "/echo"}) {
-        EXPECT_TRUE(is_told(ask(target, ""), "401 Unauthorized", "this path needs a token")) << target;
-        EXPECT_TRUE(is_told(ask(target, bearer("wrong")), "401 Unauthorized", "wrong token")) << target;
-        EXPECT_TRUE(is_told(ask(target, bearer("only-looks")), "403 Forbidden", "this token does not allow this")) << target;
+        EXPECT_TRUE(has_error(ask(target, ""), "401 Unauthorized", "this path needs a token")) << target;
+        EXPECT_TRUE(has_error(ask(target, bearer("wrong")), "401 Unauthorized", "wrong token")) << target;
+        EXPECT_TRUE(has_error(ask(target, bearer("only-looks")), "403 Forbidden", "this token does not allow this")) << target;
     }
-    EXPECT_TRUE(is_told(ask("/echo", bearer("may-act")), "413 Payload Too Large", "the body of a request has at most 65536"));
+    EXPECT_TRUE(has_error(ask("/echo", bearer("may-act")), "413 Payload Too Large", "the body of a request has at most 65536"));
     EXPECT_TRUE(
-        is_told(ask("/large", bearer("may-act"), 9'000'000), "413 Payload Too Large", "the body of a request has at most"));
+        has_error(ask("/large", bearer("may-act"), 9'000'000), "413 Payload Too Large", "the body of a request has at most"));
     EXPECT_NE(ask("/large", bearer("may-act"), 3, 3).find("here 3"), std::string::npos);
 }
 
@@ -144,7 +144,7 @@ TEST_F(ImpatientHttpServer, reports_and_closes_a_client_that_stops_within_a_larg
     until([&] { return slow.send("x"), std::chrono::steady_clock::now() - begin > 500ms; });
     EXPECT_FALSE(slow.is_closed()) << slow.heard();
     EXPECT_TRUE(until([&] { return slow.is_closed(); }));
-    EXPECT_TRUE(is_told(slow.heard(), "408 Request Timeout", "no more of the body was received for 100 ms")) << slow.heard();
+    EXPECT_TRUE(has_error(slow.heard(), "408 Request Timeout", "no more of the body was received for 100 ms")) << slow.heard();
 }
 
 TEST_F(ImpatientHttpServer, reports_that_the_disk_is_too_slow) {
@@ -156,7 +156,7 @@ TEST_F(ImpatientHttpServer, reports_that_the_disk_is_too_slow) {
         if (sent < part.size()) sent += client.send(std::string_view{part}.substr(sent));
         return client.is_closed();
     }));
-    EXPECT_TRUE(is_told(client.heard(), "503 Service Unavailable", "the disk is too slow")) << client.heard();
+    EXPECT_TRUE(has_error(client.heard(), "503 Service Unavailable", "the disk is too slow")) << client.heard();
 }
 
 }    // namespace

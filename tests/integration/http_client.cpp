@@ -49,15 +49,15 @@ private:
 };
 
 /// Stores the received messages, and whether the connection is open.
-class Ear : public WebSocketUser {
+class MessageClient : public WebSocketUser {
 public:
     struct State {
         WebSocket* socket = nullptr;
         std::vector<std::pair<std::string, WebSocket::Kind>> heard;
         bool gone = false;
     };
-    explicit Ear(State& state) : state_{state} {}
-    ~Ear() override {
+    explicit MessageClient(State& state) : state_{state} {}
+    ~MessageClient() override {
         state_.gone = true;
         state_.socket = nullptr;
     }
@@ -75,7 +75,7 @@ Request get(std::string target) {
     return request;
 }
 
-void say(WebSocket* socket, std::string words, WebSocket::Kind kind) {
+void send(WebSocket* socket, std::string words, WebSocket::Kind kind) {
     ASSERT_NE(socket, nullptr);
     EXPECT_TRUE(socket->send(std::make_shared<const std::string>(std::move(words)), kind));
 }
@@ -108,7 +108,7 @@ protected:
         server->routes().add("GET", "/ear", [this](const Request& request) {
             asked = request;
             Response response;
-            response.web_socket = std::make_unique<Ear>(there);
+            response.web_socket = std::make_unique<MessageClient>(there);
             return response;
         });
         ASSERT_EQ(server->start(path).error, "");
@@ -127,7 +127,9 @@ protected:
         client.ask(std::move(request), to_outcome());
         return until_outcome();
     }
-    void open(Client& client, Request request) { client.open(std::move(request), std::make_unique<Ear>(here), to_outcome()); }
+    void open(Client& client, Request request) {
+        client.open(std::move(request), std::make_unique<MessageClient>(here), to_outcome());
+    }
     bool until_open() {
         return loop.until([&] { return here.socket != nullptr && there.socket != nullptr; });
     }
@@ -136,7 +138,7 @@ protected:
     std::string path;
     support::Loop loop;
     Lines::State lines;
-    Ear::State there, here;
+    MessageClient::State there, here;
     Request asked;
     std::optional<Outcome> outcome;
     std::unique_ptr<Server> server;
@@ -243,10 +245,10 @@ TEST_F(HttpClient, exchanges_messages_over_a_web_socket_in_both_directions) {
     EXPECT_EQ(asked.target, "/ear?id=1");
     EXPECT_EQ(asked.header("Authorization"), "Bearer x");
     const std::string binary("\xAB\0\xFF", 3);
-    say(here.socket, binary, WebSocket::Kind::binary);
-    say(here.socket, "text", WebSocket::Kind::text);
-    say(there.socket, std::string(200'000, 'x'), WebSocket::Kind::binary);
-    say(there.socket, "{}", WebSocket::Kind::text);
+    send(here.socket, binary, WebSocket::Kind::binary);
+    send(here.socket, "text", WebSocket::Kind::text);
+    send(there.socket, std::string(200'000, 'x'), WebSocket::Kind::binary);
+    send(there.socket, "{}", WebSocket::Kind::text);
     EXPECT_TRUE(loop.until([&] { return there.heard.size() == 2 && here.heard.size() == 2; }));
     using Heard = std::vector<std::pair<std::string, WebSocket::Kind>>;
     EXPECT_EQ(there.heard, (Heard{{binary, WebSocket::Kind::binary}, {"text", WebSocket::Kind::text}}));
@@ -325,7 +327,7 @@ public:
         }
     }
     ~Stranger() { ::close(fd_); }
-    void say(const std::string& words) const {
+    void send(const std::string& words) const {
         const int client = ::accept(fd_, nullptr, nullptr);
         EXPECT_EQ(::send(client, words.data(), words.size(), MSG_NOSIGNAL), static_cast<ssize_t>(words.size()));
         ::shutdown(client, SHUT_WR);
@@ -342,7 +344,7 @@ TEST_F(HttpClient, reports_a_server_that_is_not_a_gateway) {
     const auto said = [&](const std::string& words) {
         path = dir / "stranger";
         const Stranger stranger{path};
-        std::thread speaks{[&] { stranger.say(words); }};
+        std::thread speaks{[&] { stranger.send(words); }};
         const Outcome came = ask(get("/"));
         speaks.join();
         ::unlink(path.c_str());

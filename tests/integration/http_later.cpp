@@ -28,15 +28,15 @@ class LaterAnswers : public testing::Test {
 protected:
     LaterAnswers() {
         server.routes().add("POST", "/work", [this](const Request&) {
-            return later([this](std::function<void(Response)> say) { waiting.push_back(std::move(say)); });
+            return later([this](std::function<void(Response)> respond) { waiting.push_back(std::move(respond)); });
         });
         server.routes().add("POST", "/job", [this](const Request&) {
-            Response response = later([this](std::function<void(Response)> say) { waiting.push_back(std::move(say)); });
+            Response response = later([this](std::function<void(Response)> respond) { waiting.push_back(std::move(respond)); });
             response.patient = true;
             return response;
         });
         server.routes().add("GET", "/now", [](const Request&) {
-            return later([](const std::function<void(Response)>& say) { say(error(409, "at once")); });
+            return later([](const std::function<void(Response)>& respond) { respond(error(409, "at once")); });
         });
         EXPECT_EQ(server.start(dir / "socket").error, "");
     }
@@ -123,7 +123,7 @@ TEST_F(LaterAnswers, that_are_patient_may_take_any_time) {
     auto needed = std::make_shared<int>();
     const std::weak_ptr<int> still = needed;
     other.routes().add("POST", "/job", [&](const Request&) {
-        Response response = later([this](std::function<void(Response)> say) { waiting.push_back(std::move(say)); });
+        Response response = later([this](std::function<void(Response)> respond) { waiting.push_back(std::move(respond)); });
         response.patient = true;
         response.needed = std::exchange(needed, nullptr);
         return response;

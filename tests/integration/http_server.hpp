@@ -58,7 +58,7 @@ public:
         return heard_;
     }
     /// Reads once into a small buffer; the kernel's receive buffer for this client is small too.
-    std::size_t hear_a_little() {
+    std::size_t receive_some() {
         constexpr int room = 64 * 1024;
         ::setsockopt(fd_.get(), SOL_SOCKET, SO_RCVBUF, &room, sizeof room);
         char buffer[32 * 1024];
@@ -264,7 +264,7 @@ protected:
 
 inline std::string get(const std::string& target) { return "GET " + target + " HTTP/1.1\r\nHost: x\r\n\r\n"; }
 
-inline bool is_told(const std::string& answer, const std::string& status, const std::string& words) {
+inline bool has_error(const std::string& answer, const std::string& status, const std::string& words) {
     return answer.starts_with("HTTP/1.1 " + status) && answer.find("Content-Type: application/json\r\n") != answer.npos &&
            answer.find("Connection: close\r\n") != answer.npos && answer.find("{\"error\": \"" + words) != answer.npos;
 }

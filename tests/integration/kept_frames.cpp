@@ -44,7 +44,7 @@ protected:
         memory.emplace(gateway.gateway(), watch, filter, 60s);
     }
     /// The gateway receives one more frame.
-    bool hears(std::uint8_t id) {
+    bool receives(std::uint8_t id) {
         ++heard_;
         peer_.send(gateway.port("ground"), support::frame(0xDC, 0x01, id, {1, 2, 3, 4, 5, 6, 0}));
         return gateway.until([&] { return gateway.count("ground", "frames_in") == heard_; });
@@ -62,14 +62,14 @@ private:
 
 TEST_F(FrameMemoryOfOneLink, contains_the_last_frame_at_once) {
     for (std::uint64_t n = 1; n <= 2; ++n) {
-        ASSERT_TRUE(hears(0x03));
+        ASSERT_TRUE(receives(0x03));
         EXPECT_EQ(memory->frames().frames(), n);
     }
 }
 
 // Thousands of frames are compressed together: to read them in one step would block the gateway.
 TEST_F(FrameMemoryOfOneLink, is_written_as_a_recording_in_steps_of_a_hundred_frames) {
-    for (int n = 0; n < 250; ++n) ASSERT_TRUE(hears(0x03));
+    for (int n = 0; n < 250; ++n) ASSERT_TRUE(receives(0x03));
     for (const RecordingFormat format : {RecordingFormat::pcapng, RecordingFormat::mcap}) {
         KeptFramesWriting writing{memory->frames(), format};
         std::string made;
@@ -81,17 +81,17 @@ TEST_F(FrameMemoryOfOneLink, is_written_as_a_recording_in_steps_of_a_hundred_fra
 }
 
 TEST_F(FrameMemoryOfOneLink, keeps_stored_frames_when_the_time_span_or_the_filter_changes) {
-    ASSERT_TRUE(hears(0x03));
+    ASSERT_TRUE(receives(0x03));
     memory->change(filter, 120s);
     EXPECT_EQ(memory->figures().span, 120s);
     EXPECT_EQ(memory->frames().frames(), 1u);
-    ASSERT_TRUE(hears(0x03));
+    ASSERT_TRUE(receives(0x03));
     filter.ids.reset();
     filter.ids.set(0x04);
     memory->change(filter, 120s);
     EXPECT_EQ(memory->figures().frames, 2u);
-    ASSERT_TRUE(hears(0x03));
-    ASSERT_TRUE(hears(0x04));
+    ASSERT_TRUE(receives(0x03));
+    ASSERT_TRUE(receives(0x04));
     EXPECT_EQ(memory->frames().frames(), 3u) << "two of before, and the one of after that is to be kept";
     memory->change(filter, 0s);
     EXPECT_EQ(memory->frames().frames(), 0u) << "none is that young";

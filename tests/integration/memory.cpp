@@ -37,8 +37,10 @@ public:
         for (int i = 0; i < count; ++i) {
             here_.emplace_back();
             here_.back().send(ground_, vendor::who_are_you);
-            const auto speak = [&] { vehicle_.send(air_, telemetry), std::this_thread::sleep_for(std::chrono::milliseconds{1}); };
-            if (!wait_until([&] { return !here_.back().heard().empty(); }, patience, speak)) return false;
+            const auto send_telemetry = [&] {
+                vehicle_.send(air_, telemetry), std::this_thread::sleep_for(std::chrono::milliseconds{1});
+            };
+            if (!wait_until([&] { return !here_.back().heard().empty(); }, patience, send_telemetry)) return false;
             if (here_.size() > places) here_.pop_front();
             if (i % places == 0) daemon_.status();
         }

@@ -24,7 +24,7 @@ std::size_t times(const Bytes& stream, const Bytes& frame) {
 
 struct OneAddress : testing::Test {
     /// `from` sends the frame; true: it was forwarded.
-    bool say(PtyDevice& from, const std::string& link, const Bytes& bytes) {
+    bool send(PtyDevice& from, const std::string& link, const Bytes& bytes) {
         const auto before = daemon->count(link, "bytes_in");
         from.write(bytes);
         return daemon->until([&] { return daemon->count(link, "bytes_in") == before + bytes.size(); });
@@ -45,8 +45,8 @@ TEST_P(OfTwoBoards, identical_frames_are_all_forwarded) {
     ASSERT_TRUE(daemon->until([&] { return daemon->count("one", "frames_out") == 1; }));
     const Bytes telemetry = frame(address, 0xFE, 0x03, Bytes(7));
     for (int n = 0; n < 20; ++n) {
-        ASSERT_TRUE(say(one, "one", telemetry));
-        for (int often = 0; often < 3; ++often) ASSERT_TRUE(say(two, "two", telemetry));    // at another rate than the other
+        ASSERT_TRUE(send(one, "one", telemetry));
+        for (int often = 0; often < 3; ++often) ASSERT_TRUE(send(two, "two", telemetry));    // at another rate than the other
     }
     EXPECT_TRUE(daemon->until([&] { return times(host.heard(), telemetry) == 80; })) << times(host.heard(), telemetry);
     EXPECT_EQ(daemon->count("one", "looped") + daemon->count("two", "looped"), 0u);
@@ -68,7 +68,7 @@ TEST_F(OneAddress, a_board_without_an_address_gets_one_by_an_alias) {
     const Bytes everybody = frame(0xFE, 0xFF, 0xE0, {0, 0, 0});
     host.send(daemon->port("ground"), everybody);
     EXPECT_TRUE(daemon->until([&] { return one.heard() == everybody && two.heard() == everybody; }));
-    ASSERT_TRUE(say(one, "one", frame(0xFF, 0xFE, 0x03, Bytes(7))) && say(two, "two", frame(0x00, 0xFE, 0x03, Bytes(7))));
+    ASSERT_TRUE(send(one, "one", frame(0xFF, 0xFE, 0x03, Bytes(7))) && send(two, "two", frame(0x00, 0xFE, 0x03, Bytes(7))));
     EXPECT_TRUE(daemon->until([&] {
         return times(host.heard(), frame(31, 0xFE, 0x03, Bytes(7))) == 1 &&
                times(host.heard(), frame(32, 0xFE, 0x03, Bytes(7))) == 1;
@@ -91,17 +91,17 @@ TEST_P(OfHostAndDevice, frames_that_the_device_returns_arrive) {
     PtyDevice ground{dir / "ground"};
     daemon.emplace(settings_of({serial("one", one.path()), serial("two", two.path()), serial("ground", ground.path())}));
     ASSERT_TRUE(daemon->until_up("one") && daemon->until_up("two") && daemon->until_up("ground"));
-    ASSERT_TRUE(say(two, "two", frame(0xDD, 0xFE, 0x03, Bytes(7))));
+    ASSERT_TRUE(send(two, "two", frame(0xDD, 0xFE, 0x03, Bytes(7))));
     if (device_first) {
-        ASSERT_TRUE(say(one, "one", frame(address, 0xFF, 0x03, Bytes(7))));
+        ASSERT_TRUE(send(one, "one", frame(address, 0xFF, 0x03, Bytes(7))));
     }
     const Bytes write = frame(address, address, 0xE1, {5, 0, 1, 2, 3, 4});
     for (std::size_t n = 1; n <= 10; ++n) {
-        ASSERT_TRUE(say(ground, "ground", write));
+        ASSERT_TRUE(send(ground, "ground", write));
         ASSERT_TRUE(daemon->until([&] { return times(one.heard(), write) == n; })) << n;
         const Bytes checks{0xE1, write[write.size() - 2], write[write.size() - 1]};
-        ASSERT_TRUE(say(one, "one", frame(address, address, 0x00, checks)));
-        ASSERT_TRUE(say(one, "one", write));
+        ASSERT_TRUE(send(one, "one", frame(address, address, 0x00, checks)));
+        ASSERT_TRUE(send(one, "one", write));
         ASSERT_TRUE(daemon->until([&] { return times(ground.heard(), write) == n; })) << n;
         ASSERT_TRUE(daemon->until([&] { return times(ground.heard(), frame(address, address, 0x00, checks)) == n; })) << n;
     }

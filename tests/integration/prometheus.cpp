@@ -34,7 +34,7 @@ std::string program(const std::string& name) {
     return {};
 }
 
-std::string text_of(const std::string& path) {
+std::string file_text(const std::string& path) {
     std::ifstream file{path};
     return {std::istreambuf_iterator<char>{file}, {}};
 }
@@ -147,7 +147,7 @@ std::set<std::string> metrics_in(const std::string& text) {
 
 std::vector<std::string> expressions_of_dashboard(const std::string& file) {
     std::vector<std::string> all;
-    const json dashboard = json::parse(text_of(file));
+    const json dashboard = json::parse(file_text(file));
     for (const json& panel : dashboard.at("panels"))
         for (const json& target : panel.at("targets")) {
             std::string expression = target.at("expr");
@@ -170,7 +170,7 @@ TEST_F(PrometheusScrapes, all_metrics_that_the_dashboard_queries) {
         EXPECT_EQ(expression.find('$'), std::string::npos) << expression;
         for (const std::string& name : metrics_in(expression)) EXPECT_TRUE(there.contains(name)) << name;
     }
-    for (const std::string& name : metrics_in(text_of(rules))) EXPECT_TRUE(there.contains(name)) << name;
+    for (const std::string& name : metrics_in(file_text(rules))) EXPECT_TRUE(there.contains(name)) << name;
 }
 
 TEST_F(PrometheusScrapes, and_evaluates_the_alert_rules) {

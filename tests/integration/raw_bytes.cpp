@@ -26,9 +26,9 @@ using nlohmann::json;
 Bytes bytes_of(std::string_view text) { return {text.begin(), text.end()}; }
 
 // The bytes that passed in one direction, without their times.
-Bytes passed(const Ear& ear, char direction) {
+Bytes passed(const MessageClient& message_client, char direction) {
     Bytes all;
-    for (const std::string& message : ear.messages())
+    for (const std::string& message : message_client.messages())
         if (message.at(0) == direction) all.insert(all.end(), message.begin() + 9, message.end());
     return all;
 }
@@ -40,8 +40,8 @@ class RawBytes : public testing::Test {
 protected:
     RawBytes() { EXPECT_TRUE(door.gateway.until_up("fc")); }
     bool until(const std::function<bool()>& holds) { return door.gateway.until(holds); }
-    bool until_begins(Ear& ear) {
-        return until([&] { return !ear.texts().empty(); });
+    bool until_begins(MessageClient& message_client) {
+        return until([&] { return !message_client.texts().empty(); });
     }
     void send_command() { station.send(door.gateway.port("ground"), command); }
     std::uint64_t count(const std::string& counter) { return door.gateway.count("fc", counter); }
@@ -53,7 +53,7 @@ protected:
 };
 
 TEST_F(RawBytes, pass_in_both_directions_while_frames_are_forwarded_as_usual) {
-    Ear raw{door, "/links/fc/raw"};
+    MessageClient raw{door, "/links/fc/raw"};
     ASSERT_TRUE(until_begins(raw));
     EXPECT_EQ(json::parse(raw.texts().at(0)),
               (json{{"link", "fc"}, {"kind", "serial"}, {"encoding", "gbk"}, {"exclusive", false}, {"may_send", true}}));
@@ -61,7 +61,7 @@ TEST_F(RawBytes, pass_in_both_directions_while_frames_are_forwarded_as_usual) {
     device.write(telemetry);
     EXPECT_TRUE(until([&] { return passed(raw, '<') == bytes_of("boot\r\n") + telemetry; }));
     EXPECT_TRUE(until([&] { return count("frames_in") == 1; }));
-    raw.say(bytes_of("AT\r\n"));
+    raw.send(bytes_of("AT\r\n"));
     EXPECT_TRUE(until([&] { return device.heard() == bytes_of("AT\r\n"); }));
     send_command();
     EXPECT_TRUE(until([&] { return device.heard() == bytes_of("AT\r\n") + command; }));
@@ -74,19 +74,19 @@ TEST_F(RawBytes, pass_in_both_directions_while_frames_are_forwarded_as_usual) {
 
 TEST_F(RawBytes, in_exclusive_use_no_frame_is_sent_on_the_link_until_the_client_disconnects) {
     {
-        Ear raw{door, "/links/fc/raw?exclusive"};
+        MessageClient raw{door, "/links/fc/raw?exclusive"};
         ASSERT_TRUE(until_begins(raw));
         send_command();
         EXPECT_TRUE(until([&] { return count("denied_out") == 1; }));
-        raw.say(bytes_of("AT\r\n"));
+        raw.send(bytes_of("AT\r\n"));
         EXPECT_TRUE(until([&] { return device.heard() == bytes_of("AT\r\n"); }));
         device.write(telemetry);
         EXPECT_TRUE(until([&] { return count("frames_in") == 1; })) << "what comes is forwarded";
         EXPECT_EQ(door.ask("GET", "/links/fc/raw?exclusive").status, 426u) << "no WebSocket";
-        Ear second{door, "/links/fc/raw?exclusive"};
+        MessageClient second{door, "/links/fc/raw?exclusive"};
         EXPECT_TRUE(until([&] { return second.ended.has_value(); }));
         EXPECT_EQ(second.ended->answer.status, 409u);
-        Ear looks{door, "/links/fc/raw"};
+        MessageClient looks{door, "/links/fc/raw"};
         EXPECT_TRUE(until_begins(looks)) << "others may look";
     }    // its connection ends without a closing message
     EXPECT_TRUE(until([&] {
@@ -98,7 +98,7 @@ TEST_F(RawBytes, in_exclusive_use_no_frame_is_sent_on_the_link_until_the_client_
 
 TEST_F(RawBytes, are_rejected_for_other_link_kinds) {
     for (const auto& [link, status] : {std::pair{"ground", 409u}, {"nobody", 404u}}) {
-        Ear raw{door, std::string{"/links/"} + link + "/raw"};
+        MessageClient raw{door, std::string{"/links/"} + link + "/raw"};
         EXPECT_TRUE(until([&] { return raw.ended.has_value(); }));
         EXPECT_EQ(raw.ended->answer.status, status) << link;
         if (status == 409u) {
@@ -108,14 +108,14 @@ TEST_F(RawBytes, are_rejected_for_other_link_kinds) {
 }
 
 TEST_F(RawBytes, for_a_link_that_is_down_are_not_sent_and_the_client_is_notified) {
-    Ear raw{door, "/links/fc/raw"};
+    MessageClient raw{door, "/links/fc/raw"};
     ASSERT_TRUE(until_begins(raw));
     device.unplug();
     ASSERT_TRUE(door.gateway.until_waiting("fc"));
-    raw.say(bytes_of("AT\r\n"));
+    raw.send(bytes_of("AT\r\n"));
     EXPECT_TRUE(until([&] { return raw.texts().size() == 2; }));
     EXPECT_NE(raw.texts().at(1).find("not sent: the link is down"), std::string::npos);
-    raw.say("AT", anogate::http::WebSocket::Kind::text);
+    raw.send("AT", anogate::http::WebSocket::Kind::text);
     EXPECT_TRUE(until([&] { return raw.texts().size() == 3; }));
     device.plug();
     ASSERT_TRUE(door.gateway.until_up("fc"));

@@ -32,7 +32,7 @@ using nlohmann::json;
 
 const Bytes wind = frame(0xDD, 0xFF, 0x09, {1, 0, 2, 0});
 
-constexpr auto told_within = std::chrono::seconds{2} * (sanitized ? 5 : 1);    // one second, plus a margin for a busy machine
+constexpr auto reported_within = std::chrono::seconds{2} * (sanitized ? 5 : 1);    // one second, plus a margin for a busy machine
 
 class Recordings : public RecordingGateway {
 protected:
@@ -170,7 +170,7 @@ TEST_F(Recordings, leave_files_alone_that_the_gateway_did_not_write) {
     refuses(422, "GET", "/recordings/..%2Fsecret.pcapng", {}, "no leading dot");
     refuses(422, "DELETE", "/recordings/..%2F..%2Fsecret.pcapng", {}, "no leading dot");
     refuses(409, "POST", "/recordings", R"({"name": "link"})", "already exists");
-    EXPECT_EQ(text_of(secret), "secret");
+    EXPECT_EQ(file_text(secret), "secret");
     EXPECT_EQ(names().size(), 3u);
 }
 
@@ -289,7 +289,7 @@ TEST_F(Recordings, on_a_disk_that_is_read_only_at_first_report_an_error_and_begi
     start(R"(, "record": {"free": 0})");
     const auto begun = std::chrono::steady_clock::now();
     ASSERT_TRUE(until_error("Read-only file system"));
-    EXPECT_LT(std::chrono::steady_clock::now() - begun, told_within);
+    EXPECT_LT(std::chrono::steady_clock::now() - begun, reported_within);
     EXPECT_TRUE(gateway->until_says("Read-only file system; frames are still forwarded, but are not recorded"))
         << gateway->output();
     EXPECT_EQ(metric("anogate_recording_failing"), "1");
@@ -315,7 +315,7 @@ TEST_F(Recordings, on_a_full_disk_report_an_error_within_a_second_and_count_the_
     const auto begun = std::chrono::steady_clock::now();
     send_numbered(200);
     ASSERT_TRUE(until_error("No space left on device"));
-    EXPECT_LT(std::chrono::steady_clock::now() - begun, told_within);
+    EXPECT_LT(std::chrono::steady_clock::now() - begun, reported_within);
     EXPECT_TRUE(gateway->until_says("No space left on device; frames are still forwarded, but are not recorded"))
         << gateway->output();
     EXPECT_EQ(metric("anogate_recording_failing"), "1");
@@ -345,7 +345,7 @@ TEST_F(Recordings, are_rotated_and_deleted_by_size_as_configured) {
     for (int number = 1; number <= 100; ++number) {
         const std::string file = folder + "/" + name + (number > 1 ? "-" + std::to_string(number) : "") + ".pcapng";
         if (!fs::exists(file)) continue;
-        const auto read = read_pcapng(text_of(file));
+        const auto read = read_pcapng(file_text(file));
         EXPECT_TRUE(read.has_end) << file;
         EXPECT_LT(fs::file_size(file), 60'000u) << file;
         for (const auto& item : read.items) numbers.push_back(number_of(item.frame));

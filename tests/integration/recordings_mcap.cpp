@@ -25,7 +25,7 @@ std::map<std::string, std::uint64_t> messages_of(std::string_view file) {
     std::map<std::uint16_t, std::string> topics;
     std::map<std::string, std::uint64_t> messages;
     std::string_view rest = file.substr(mcap::magic.size());
-    while (const auto record = mcap::take_record(rest)) {
+    while (const auto record = mcap::next_record(rest)) {
         if (record->opcode == mcap::Opcode::channel) {
             const auto channel = mcap::channel_of(record->body);
             if (channel) topics[channel->id] = channel->topic;
@@ -45,7 +45,7 @@ std::map<std::string, std::uint64_t> messages_of(std::string_view file) {
 std::map<std::string, std::string> encodings_of(std::string_view file) {
     std::map<std::string, std::string> encodings;
     std::string_view rest = file.substr(mcap::magic.size());
-    while (const auto record = mcap::take_record(rest)) {
+    while (const auto record = mcap::next_record(rest)) {
         if (record->opcode != mcap::Opcode::channel) continue;
         const auto channel = mcap::channel_of(record->body);
         if (channel) encodings[std::string{channel->topic}] = channel->encoding;

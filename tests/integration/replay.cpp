@@ -313,12 +313,12 @@ TEST_F(Replay, a_hanging_disk_delays_no_other_link_and_is_reported) {
     ASSERT_TRUE(daemon.until([&] { return HangingFile::readers() == 1; }));
     ground.send(daemon.port("ground"), question);
     ASSERT_TRUE(daemon.until([&] { return daemon.count("ground", "frames_in") == 1; }));
-    ASSERT_TRUE(disk.give(bytes.substr(0, half)));
+    ASSERT_TRUE(disk.write_part(bytes.substr(0, half)));
     ASSERT_TRUE(daemon.until([&] { return daemon.link("flight")["error_id"] == "recording_slow"; })) << daemon.status();
     EXPECT_EQ(daemon.link("flight")["frames_in"], 1);
     ground.send(daemon.port("ground"), question);
     ASSERT_TRUE(daemon.until([&] { return daemon.count("ground", "frames_in") == 2; }));
-    ASSERT_TRUE(disk.give(bytes.substr(half)));
+    ASSERT_TRUE(disk.write_part(bytes.substr(half)));
     ASSERT_TRUE(daemon.until([&] { return daemon.count("flight", "frames_in") == 2; }));
     EXPECT_EQ(daemon.link("flight")["error"], "");
 }
@@ -423,7 +423,7 @@ TEST_F(Replay, of_highly_compressed_frames_decompresses_only_those_read_ahead) {
     unsigned taken = 0;
     while (file.state() != anogate::ReplayFile::State::ended || file.next()) {
         while (file.next()) {
-            file.take();
+            file.pop();
             ++taken;
             EXPECT_LE(file.kept_back().commands, taken + most);
         }
@@ -451,11 +451,11 @@ TEST_F(Replay, a_recording_that_is_replayed_and_recorded_again_is_the_same) {
     Process recorder{ANOCTL, {"record", second, "--control", socket}};
     ASSERT_TRUE(wait_until([&] {    // it sees nothing before it is attached
         ground.send(gateway.port("ground"), question);
-        return !read_pcapng(text_of(second)).items.empty();
+        return !read_pcapng(file_text(second)).items.empty();
     })) << recorder.output();
     std::filesystem::rename(first, later);
     const auto replayed = [&] {
-        std::vector<KeptItem> of_replay = read_pcapng(text_of(second)).items;
+        std::vector<KeptItem> of_replay = read_pcapng(file_text(second)).items;
         std::erase_if(of_replay, [](const KeptItem& item) { return item.link != "again"; });
         return of_replay;
     };

@@ -63,13 +63,13 @@ protected:
     bool knows(const std::string& address) {
         return wait_until([&] { return !route(address).is_null(); });
     }
-    static bool hears(PtyDevice& device, const Bytes& bytes) {
+    static bool receives(PtyDevice& device, const Bytes& bytes) {
         return wait_until([&] {
             const Bytes& all = device.heard();
             return std::search(all.begin(), all.end(), bytes.begin(), bytes.end()) != all.end();
         });
     }
-    static bool hears(UdpPeer& peer, const Bytes& bytes) {
+    static bool receives(UdpPeer& peer, const Bytes& bytes) {
         return wait_until([&] {
             const Bytes& all = peer.heard();
             return std::search(all.begin(), all.end(), bytes.begin(), bytes.end()) != all.end();
@@ -133,7 +133,7 @@ TEST_F(Restart, a_peer_that_only_listens_is_still_served) {
     EXPECT_EQ(route("0xFE").at("links"), json{"ground"});
     const Bytes news = frame(fc, host, 0x03, Bytes(7));
     device.write(news);
-    EXPECT_TRUE(hears(listener, news));
+    EXPECT_TRUE(receives(listener, news));
 }
 
 TEST_F(Restart, a_copy_on_another_link_of_the_group_is_still_recognized) {
@@ -144,13 +144,13 @@ TEST_F(Restart, a_copy_on_another_link_of_the_group_is_still_recognized) {
     ASSERT_TRUE(service->until_up("fc") && service->until_up("radio") && service->until_up("cable"));
     const Bytes command = frame(host, 0xFF, 0xC0, {1, 2, 3}), next = frame(host, 0xFF, 0xC0, {4, 5, 6});
     radio.write(command);
-    ASSERT_TRUE(hears(device, command));
+    ASSERT_TRUE(receives(device, command));
     ASSERT_EQ(manager.stop(*service), 0);
     cable.write(command);    // it waits on the wire
     ASSERT_TRUE(start());
     ASSERT_TRUE(wait_until([&] { return service->count("cable", "duplicate") == 1; }));
     cable.write(next);
-    ASSERT_TRUE(hears(device, next));
+    ASSERT_TRUE(receives(device, next));
     EXPECT_EQ(device.heard(), command + next) << "carried out once";
 }
 
@@ -169,8 +169,8 @@ TEST_F(Restart, a_learned_address_is_not_flooded) {
     const Bytes to_first = frame(host, fc, 0xE1, Bytes(6)), to_second = frame(host, other, 0xE1, Bytes(6));
     peer.send(ground(), to_first);
     peer.send(ground(), to_second);
-    EXPECT_TRUE(hears(second, to_second));
-    EXPECT_TRUE(hears(device, to_first));
+    EXPECT_TRUE(receives(second, to_second));
+    EXPECT_TRUE(receives(device, to_first));
     const Bytes& all = second.heard();
     EXPECT_EQ(std::search(all.begin(), all.end(), to_first.begin(), to_first.end()), all.end());
 }
@@ -185,11 +185,11 @@ TEST_F(Restart, a_half_received_frame_is_completed_afterwards) {
     ASSERT_TRUE(knows("0xFE"));
     const Bytes first = frame(fc, 0xFF, 0x06), whole = frame(fc, host, 0xF1, Bytes(40, 7));
     device.write(first + Bytes{whole.begin(), whole.begin() + 20});
-    ASSERT_TRUE(hears(peer, first));
+    ASSERT_TRUE(receives(peer, first));
     ASSERT_EQ(manager.stop(*service), 0);
     device.write(Bytes{whole.begin() + 20, whole.end()});
     ASSERT_TRUE(start());
-    EXPECT_TRUE(hears(peer, whole));
+    EXPECT_TRUE(receives(peer, whole));
 }
 
 // Bytes that wait on a wire may be as old as the restart. A wire that was silent has no old bytes.
@@ -206,7 +206,7 @@ TEST_F(Restart, the_first_frame_on_a_silent_line_is_not_treated_as_old) {
     std::this_thread::sleep_for(std::chrono::milliseconds{100});    // too old, if its age were counted from the start
     const Bytes first = frame(fc, host, 0xF1, Bytes(20, 7));
     device.write(first);
-    EXPECT_TRUE(hears(peer, first));
+    EXPECT_TRUE(receives(peer, first));
 }
 
 TEST_F(Restart, a_good_frame_after_a_false_header_is_forwarded_without_more_bytes) {
@@ -219,9 +219,9 @@ TEST_F(Restart, a_good_frame_after_a_false_header_is_forwarded_without_more_byte
     ASSERT_TRUE(knows("0xFE"));
     const Bytes first = frame(fc, 0xFF, 0x06), good = frame(fc, host, 0xF1, Bytes(20, 7));
     device.write(first + Bytes{0xAB, fc, host, 0x03, 0xC8, 0x00} + good);
-    ASSERT_TRUE(hears(peer, first));
+    ASSERT_TRUE(receives(peer, first));
     ASSERT_TRUE(restart());
-    EXPECT_TRUE(hears(peer, good));
+    EXPECT_TRUE(receives(peer, good));
 }
 
 TEST_F(Restart, the_original_link_of_a_device_can_still_regain_its_address) {
@@ -317,7 +317,7 @@ TEST_F(Restart, a_stored_port_is_not_used_for_another_device) {
     ASSERT_TRUE(service->until_up("fc") && service->until_up("ground"));
     UdpPeer peer;
     peer.send(ground(), frame(host, 0xFF, 0x05));
-    EXPECT_TRUE(hears(now, frame(host, 0xFF, 0x05)));
+    EXPECT_TRUE(receives(now, frame(host, 0xFF, 0x05)));
     EXPECT_TRUE(before.heard().empty());
 }
 

@@ -24,7 +24,7 @@ protected:
         ASSERT_TRUE(daemon->until_up("a") && daemon->until_up("b") && daemon->until_up("c"));
     }
     /// `from` sends the frame; true: it was routed.
-    bool say(PtyDevice& from, const std::string& link, const Bytes& bytes) {
+    bool send(PtyDevice& from, const std::string& link, const Bytes& bytes) {
         const auto before = daemon->count(link, "bytes_in");
         from.write(bytes);
         return daemon->until([&] { return daemon->count(link, "bytes_in") == before + bytes.size(); });
@@ -53,9 +53,9 @@ protected:
 
 TEST_F(Routing, frames_for_a_learned_address_are_sent_only_to_its_link) {
     start();
-    ASSERT_TRUE(say(b, "b", frame(30, 0xFE, 0x01)));
+    ASSERT_TRUE(send(b, "b", frame(30, 0xFE, 0x01)));
     heard();
-    ASSERT_TRUE(say(a, "a", frame(0xFE, 30, 0xE0, {0, 0, 0})));
+    ASSERT_TRUE(send(a, "a", frame(0xFE, 30, 0xE0, {0, 0, 0})));
     const Heard now = heard();
     EXPECT_EQ(now.b, frame(0xFE, 30, 0xE0, {0, 0, 0}));
     EXPECT_TRUE(now.a.empty() && now.c.empty());
@@ -67,7 +67,7 @@ TEST_F(Routing, frames_for_a_learned_address_are_sent_only_to_its_link) {
 TEST_F(Routing, frames_for_a_port_id_are_sent_to_the_link_with_that_id) {
     b_link.id = 5;
     start();
-    ASSERT_TRUE(say(a, "a", frame(0xFE, 5, 0xE0, {0, 0, 0})));
+    ASSERT_TRUE(send(a, "a", frame(0xFE, 5, 0xE0, {0, 0, 0})));
     const Heard now = heard();
     EXPECT_EQ(now.b, frame(0xFE, 5, 0xE0, {0, 0, 0}));
     EXPECT_TRUE(now.c.empty());
@@ -78,9 +78,9 @@ TEST_F(Routing, frames_for_a_port_id_are_sent_to_the_link_with_that_id) {
 
 TEST_F(Routing, frames_for_a_pinned_range_are_sent_to_its_link_whatever_was_learned) {
     start({}, {{30, 40, "c"}});
-    ASSERT_TRUE(say(b, "b", frame(35, 0xFE, 0x01)));
+    ASSERT_TRUE(send(b, "b", frame(35, 0xFE, 0x01)));
     heard();
-    ASSERT_TRUE(say(a, "a", frame(0xFE, 35, 0xC0, {1})));
+    ASSERT_TRUE(send(a, "a", frame(0xFE, 35, 0xC0, {1})));
     const Heard now = heard();
     EXPECT_EQ(now.c, frame(0xFE, 35, 0xC0, {1}));
     EXPECT_TRUE(now.b.empty());
@@ -92,7 +92,7 @@ TEST_F(Routing, frames_for_a_pinned_range_are_sent_to_its_link_whatever_was_lear
 TEST_F(Routing, a_broadcast_is_sent_to_every_other_link_that_accepts_broadcasts) {
     c_link.broadcast = false;
     start();
-    ASSERT_TRUE(say(a, "a", vendor::who_are_you));
+    ASSERT_TRUE(send(a, "a", vendor::who_are_you));
     const Heard now = heard();
     EXPECT_EQ(now.b, vendor::who_are_you);
     EXPECT_TRUE(now.a.empty()) << "never back";
@@ -102,7 +102,7 @@ TEST_F(Routing, a_broadcast_is_sent_to_every_other_link_that_accepts_broadcasts)
 TEST_F(Routing, frames_for_an_unknown_address_are_flooded_except_to_links_with_flood_no) {
     c_link.flood = false;
     start();
-    ASSERT_TRUE(say(a, "a", frame(0xFE, 77, 0xC0, {1})));
+    ASSERT_TRUE(send(a, "a", frame(0xFE, 77, 0xC0, {1})));
     const Heard now = heard();
     EXPECT_EQ(now.b, frame(0xFE, 77, 0xC0, {1}));
     EXPECT_TRUE(now.c.empty());
@@ -112,7 +112,7 @@ TEST_F(Routing, unknown_drop_drops_and_counts_frames_without_a_route) {
     anogate::GatewaySettings gateway;
     gateway.unknown = anogate::Unknown::drop;
     start(gateway);
-    ASSERT_TRUE(say(a, "a", frame(0xFE, 77, 0xC0, {1})));
+    ASSERT_TRUE(send(a, "a", frame(0xFE, 77, 0xC0, {1})));
     const Heard now = heard();
     EXPECT_TRUE(now.b.empty() && now.c.empty());
     EXPECT_EQ(daemon->count("a", "no_route"), 1u);
@@ -123,7 +123,7 @@ TEST_F(Routing, unknown_link_sends_frames_for_unknown_addresses_to_one_link) {
     gateway.unknown = anogate::Unknown::link;
     gateway.unknown_link = "c";
     start(gateway);
-    ASSERT_TRUE(say(a, "a", frame(0xFE, 77, 0xC0, {1})));
+    ASSERT_TRUE(send(a, "a", frame(0xFE, 77, 0xC0, {1})));
     const Heard now = heard();
     EXPECT_EQ(now.c, frame(0xFE, 77, 0xC0, {1}));
     EXPECT_TRUE(now.b.empty());
@@ -133,7 +133,7 @@ TEST_F(Routing, frames_for_the_gateway_itself_are_not_forwarded) {
     anogate::GatewaySettings gateway;
     gateway.id = 199;
     start(gateway);
-    ASSERT_TRUE(say(a, "a", frame(0xFE, 199, 0xC0, {1})));
+    ASSERT_TRUE(send(a, "a", frame(0xFE, 199, 0xC0, {1})));
     const Heard now = heard();
     EXPECT_TRUE(now.b.empty() && now.c.empty());
     EXPECT_EQ(daemon->count("a", "no_route"), 0u);
@@ -143,7 +143,7 @@ TEST_F(Routing, frames_for_the_gateway_itself_are_not_forwarded) {
 
 TEST_F(Routing, frames_for_destination_0_are_dropped) {
     start();
-    ASSERT_TRUE(say(a, "a", frame(0xFE, 0, 0xC0, {1})));
+    ASSERT_TRUE(send(a, "a", frame(0xFE, 0, 0xC0, {1})));
     const Heard now = heard();
     EXPECT_TRUE(now.b.empty() && now.c.empty());
     EXPECT_EQ(daemon->count("a", "no_route"), 1u);
@@ -151,9 +151,9 @@ TEST_F(Routing, frames_for_destination_0_are_dropped) {
 
 TEST_F(Routing, two_hosts_both_0xFE_both_get_the_answer) {
     start();
-    ASSERT_TRUE(say(a, "a", vendor::who_are_you) && say(b, "b", vendor::who_are_you));
+    ASSERT_TRUE(send(a, "a", vendor::who_are_you) && send(b, "b", vendor::who_are_you));
     heard();
-    ASSERT_TRUE(say(c, "c", vendor::i_am_an_mcu));
+    ASSERT_TRUE(send(c, "c", vendor::i_am_an_mcu));
     const Heard now = heard();
     EXPECT_EQ(now.a, vendor::i_am_an_mcu);
     EXPECT_EQ(now.b, vendor::i_am_an_mcu);
@@ -162,16 +162,16 @@ TEST_F(Routing, two_hosts_both_0xFE_both_get_the_answer) {
 
 TEST_F(Routing, two_devices_with_one_id_are_shown_as_a_conflict) {
     start();
-    ASSERT_TRUE(say(a, "a", frame(0xDE, 0xFE, 0x51, {0, 0, 0, 0, 0})) && say(b, "b", frame(0xDE, 0xFE, 0x51, {0, 0, 0, 0, 1})));
+    ASSERT_TRUE(send(a, "a", frame(0xDE, 0xFE, 0x51, {0, 0, 0, 0, 0})) && send(b, "b", frame(0xDE, 0xFE, 0x51, {0, 0, 0, 0, 1})));
     EXPECT_TRUE(daemon->status().at("conflicts").empty()) << "it may have moved";
-    ASSERT_TRUE(say(a, "a", frame(0xDE, 0xFE, 0x51, {0, 0, 0, 0, 2})));
+    ASSERT_TRUE(send(a, "a", frame(0xDE, 0xFE, 0x51, {0, 0, 0, 0, 2})));
     ASSERT_TRUE(daemon->until([&] { return !daemon->status().at("conflicts").empty(); }));
     const auto conflict = daemon->status().at("conflicts").at(0);
     EXPECT_EQ(conflict.at("address"), "0xDE");
     EXPECT_EQ(conflict.at("links"), (nlohmann::json{"a", "b"}));
     EXPECT_EQ(conflict.at("claimed_by").at("link"), "b");
     const Bytes command = frame(0xFE, 0xDE, 0xC0, {1});
-    ASSERT_TRUE(say(c, "c", command));
+    ASSERT_TRUE(send(c, "c", command));
     const Heard now = heard();
     EXPECT_NE(std::search(now.a.begin(), now.a.end(), command.begin(), command.end()), now.a.end());
     EXPECT_EQ(std::search(now.b.begin(), now.b.end(), command.begin(), command.end()), now.b.end()) << "it was there second";
@@ -179,7 +179,7 @@ TEST_F(Routing, two_devices_with_one_id_are_shown_as_a_conflict) {
 
 TEST_F(Routing, the_hint_for_two_devices_with_one_id_differs_from_that_for_one_device) {
     start();
-    ASSERT_TRUE(say(c, "c", vendor::who_are_you));
+    ASSERT_TRUE(send(c, "c", vendor::who_are_you));
     int n = 0;
     ASSERT_TRUE(daemon->until([&] {
         ++n;
@@ -197,9 +197,9 @@ TEST_F(Routing, the_hint_for_two_devices_with_one_id_differs_from_that_for_one_d
 // Its frames reach the host once; a broadcast command reaches it over both cables, and a hint must report it.
 TEST_F(Routing, the_hint_for_one_device_on_two_cables_suggests_a_group) {
     start();
-    ASSERT_TRUE(say(c, "c", vendor::who_are_you));
+    ASSERT_TRUE(send(c, "c", vendor::who_are_you));
     for (std::uint8_t n = 0; n < 3; ++n) {
-        ASSERT_TRUE(say(a, "a", frame(0xDC, 0xFE, 0x03, {n})) && say(b, "b", frame(0xDC, 0xFE, 0x03, {n})));
+        ASSERT_TRUE(send(a, "a", frame(0xDC, 0xFE, 0x03, {n})) && send(b, "b", frame(0xDC, 0xFE, 0x03, {n})));
     }
     EXPECT_EQ(daemon->link("a").at("hint"),
               "the same frames arrive on two links: if it is one device, put both links in one `group`; if two, change the id of "
@@ -216,9 +216,9 @@ TEST_F(Routing, the_hint_for_one_device_on_two_cables_suggests_a_group) {
 TEST_F(Routing, a_device_on_the_two_cables_of_a_group_is_no_conflict) {
     a_link.group = b_link.group = "fc";
     start();
-    ASSERT_TRUE(say(c, "c", vendor::who_are_you));
+    ASSERT_TRUE(send(c, "c", vendor::who_are_you));
     for (std::uint8_t n = 0; n < 3; ++n) {
-        ASSERT_TRUE(say(a, "a", frame(0xDC, 0xFE, 0x03, {n})) && say(b, "b", frame(0xDC, 0xFE, 0x03, {n})));
+        ASSERT_TRUE(send(a, "a", frame(0xDC, 0xFE, 0x03, {n})) && send(b, "b", frame(0xDC, 0xFE, 0x03, {n})));
     }
     EXPECT_EQ(daemon->link("a").at("hint"), "");
     EXPECT_TRUE(daemon->status().at("conflicts").empty());
@@ -228,7 +228,7 @@ TEST_F(Routing, a_device_whose_address_is_the_port_id_of_another_link_is_reporte
     b_link.id = 5;
     c_link.id = 6;
     start();
-    ASSERT_TRUE(say(a, "a", frame(5, 0xFE, 0x01)) && say(c, "c", frame(6, 0xFE, 0x01)));
+    ASSERT_TRUE(send(a, "a", frame(5, 0xFE, 0x01)) && send(c, "c", frame(6, 0xFE, 0x01)));
     EXPECT_EQ(daemon->link("a").at("hint"),
               "device 0x05 can't be reached: its address is also the port id of a link; change one of them");
     EXPECT_EQ(daemon->link("b").at("hint"), "");
@@ -239,25 +239,25 @@ TEST_F(Routing, present_as_replaces_host_addresses_with_the_one_that_a_device_an
     c_link.present_as = 0xFE;
     start();
     const Bytes command = frame(0xD2, 0xDC, 0xC0, {1, 2, 3}), presented = frame(0xFE, 0xDC, 0xC0, {1, 2, 3});
-    ASSERT_TRUE(say(a, "a", command) && say(b, "b", frame(0xFE, 0xDC, 0xC0, {1, 2, 3})));
+    ASSERT_TRUE(send(a, "a", command) && send(b, "b", frame(0xFE, 0xDC, 0xC0, {1, 2, 3})));
     EXPECT_EQ(heard().c, presented + presented);
     const auto acknowledged = [](const Bytes& sent) {
         const std::size_t n = sent.size();
         return frame(0xDC, sent[1], 0x00, {0xC0, sent[n - 2], sent[n - 1]});
     };
-    ASSERT_TRUE(say(c, "c", acknowledged(presented)));
+    ASSERT_TRUE(send(c, "c", acknowledged(presented)));
     Heard now = heard();
     EXPECT_EQ(now.a, acknowledged(command));
     EXPECT_TRUE(now.b.empty());
-    ASSERT_TRUE(say(c, "c", acknowledged(presented)));
+    ASSERT_TRUE(send(c, "c", acknowledged(presented)));
     now = heard();
     EXPECT_EQ(now.b, acknowledged(presented));
     EXPECT_TRUE(now.a.empty());
 
-    ASSERT_TRUE(say(a, "a", frame(0xD2, 0xDC, 0xE0, {2, 7, 0})));
+    ASSERT_TRUE(send(a, "a", frame(0xD2, 0xDC, 0xE0, {2, 7, 0})));
     EXPECT_EQ(heard().c, frame(0xFE, 0xDC, 0xE0, {2, 7, 0}));
     ASSERT_TRUE(
-        say(c, "c", frame(0xDC, 0xFE, 0xE1, {8, 0, 1}) + frame(0xDC, 0xFE, 0xE1, {7, 0, 1}) + frame(0xDC, 0xFE, 0x03, {1})));
+        send(c, "c", frame(0xDC, 0xFE, 0xE1, {8, 0, 1}) + frame(0xDC, 0xFE, 0xE1, {7, 0, 1}) + frame(0xDC, 0xFE, 0x03, {1})));
     now = heard();
     EXPECT_EQ(now.a, frame(0xDC, 0xD2, 0xE1, {7, 0, 1}));
     EXPECT_EQ(now.b, frame(0xDC, 0xFE, 0xE1, {8, 0, 1}) + frame(0xDC, 0xFE, 0x03, {1}));
@@ -270,10 +270,10 @@ TEST_F(Routing, present_as_works_together_with_an_alias) {
     daemon.emplace(settings);
     ASSERT_TRUE(daemon->until_up("a") && daemon->until_up("c"));
     const Bytes sent = frame(0xD2, 31, 0xE1, {3, 0, 42}), reached = frame(0xFE, 0xDE, 0xE1, {3, 0, 42});
-    ASSERT_TRUE(say(a, "a", sent));
+    ASSERT_TRUE(send(a, "a", sent));
     EXPECT_EQ(heard().c, reached);
     const std::size_t n = sent.size();
-    ASSERT_TRUE(say(c, "c", frame(0xDE, 0xFE, 0x00, {0xE1, reached[n - 2], reached[n - 1]})));
+    ASSERT_TRUE(send(c, "c", frame(0xDE, 0xFE, 0x00, {0xE1, reached[n - 2], reached[n - 1]})));
     EXPECT_EQ(heard().a, frame(31, 0xD2, 0x00, {0xE1, sent[n - 2], sent[n - 1]}));
 }
 
@@ -282,22 +282,22 @@ TEST_F(Routing, present_as_applies_to_all_links_of_a_group) {
     b_link.present_as = c_link.present_as = 0xFE;
     b_link.group = c_link.group = "fc";
     start();
-    ASSERT_TRUE(say(b, "b", frame(0xDC, 0xFE, 0x03, {1})));
+    ASSERT_TRUE(send(b, "b", frame(0xDC, 0xFE, 0x03, {1})));
     heard();
     for (const std::uint8_t from : Bytes{0xD2, 100}) {
-        ASSERT_TRUE(say(a, "a", frame(from, 0xDC, 0xE0, {2, 7, 0})));
+        ASSERT_TRUE(send(a, "a", frame(from, 0xDC, 0xE0, {2, 7, 0})));
         EXPECT_EQ(heard().b, frame(0xFE, 0xDC, 0xE0, {2, 7, 0}));
     }
     for (const std::uint8_t asker : Bytes{0xD2, 100}) {
         const Bytes answer = frame(0xDC, 0xFE, 0xE1, {7, 0, 9});
-        ASSERT_TRUE(say(c, "c", answer) && say(b, "b", answer));
+        ASSERT_TRUE(send(c, "c", answer) && send(b, "b", answer));
         EXPECT_EQ(heard().a, frame(0xDC, asker, 0xE1, {7, 0, 9}));
     }
 }
 
 TEST_F(Routing, frames_of_one_link_keep_their_order) {
     start();
-    ASSERT_TRUE(say(b, "b", frame(0xFE, 0xDC, 0xE0, {0, 0, 0})));
+    ASSERT_TRUE(send(b, "b", frame(0xFE, 0xDC, 0xE0, {0, 0, 0})));
     heard();
     Bytes sent;
     for (std::uint8_t n = 0; n < 200; ++n) sent = sent + frame(0xDC, 0xFE, 0xA0, Bytes(1 + n % 14, n));
@@ -312,7 +312,7 @@ TEST_F(Routing, a_frame_larger_than_a_link_carries_is_counted_there) {
     a_link.max_data = 1000;
     b_link.max_data = 100;
     start();
-    ASSERT_TRUE(say(a, "a", frame(0xDC, 0xFF, 0xB0, Bytes(101))) && say(a, "a", frame(0xDC, 0xFF, 0xB0, Bytes(100))));
+    ASSERT_TRUE(send(a, "a", frame(0xDC, 0xFF, 0xB0, Bytes(101))) && send(a, "a", frame(0xDC, 0xFF, 0xB0, Bytes(100))));
     const Heard now = heard();
     EXPECT_EQ(split(now.b).frames.size(), 1u);
     EXPECT_EQ(split(now.c).frames.size(), 2u);
@@ -321,7 +321,7 @@ TEST_F(Routing, a_frame_larger_than_a_link_carries_is_counted_there) {
 
 TEST_F(Routing, frames_without_data_pass_and_are_counted) {
     start();
-    ASSERT_TRUE(say(a, "a", frame(0xDC, 0xFF, 0xF1)));
+    ASSERT_TRUE(send(a, "a", frame(0xDC, 0xFF, 0xF1)));
     EXPECT_EQ(heard().b, frame(0xDC, 0xFF, 0xF1));
     EXPECT_EQ(daemon->count("b", "empty_out"), 1u);
 }

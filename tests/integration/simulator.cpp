@@ -68,7 +68,7 @@ std::int16_t i16(const Bytes& f, std::size_t at) { return static_cast<std::int16
 // The frames that a host receives, and those of one id among them.
 struct Listener {
     explicit Listener(RunningGateway& gateway) : daemon{gateway} { host.send(daemon.port("ground"), vendor::who_are_you); }
-    bool hears(std::uint8_t id, const std::function<bool(const Bytes&)>& fits) {
+    bool receives(std::uint8_t id, const std::function<bool(const Bytes&)>& fits) {
         host.forget();
         return daemon.until([&] {
             for (const Bytes& f : split(host.heard()).frames)
@@ -77,7 +77,7 @@ struct Listener {
         });
     }
     Bytes one(std::uint8_t id) {
-        EXPECT_TRUE(hears(id, [](const Bytes&) { return true; })) << int{id};
+        EXPECT_TRUE(receives(id, [](const Bytes&) { return true; })) << int{id};
         return found;
     }
     void send(std::uint8_t to, std::uint8_t id, const Bytes& data) {
@@ -108,9 +108,9 @@ TEST(Simulator, takes_off_on_command) {
     Listener host{daemon};
     EXPECT_EQ(host.one(0x06)[7], 0) << "locked";
     host.send(0xDC, 0xC0, {0x10, 0, 1, 50, 0});
-    EXPECT_TRUE(host.hears(0x00, [](const Bytes& f) { return f[6] == 0xC0; })) << "acknowledged";
-    EXPECT_TRUE(host.hears(0x06, [](const Bytes& f) { return f[7] == 2; })) << "airborne";
-    EXPECT_TRUE(host.hears(0x05, [](const Bytes& f) { return i16(f, 8) > 40; })) << "cm";
+    EXPECT_TRUE(host.receives(0x00, [](const Bytes& f) { return f[6] == 0xC0; })) << "acknowledged";
+    EXPECT_TRUE(host.receives(0x06, [](const Bytes& f) { return f[7] == 2; })) << "airborne";
+    EXPECT_TRUE(host.receives(0x05, [](const Bytes& f) { return i16(f, 8) > 40; })) << "cm";
 }
 
 TEST(Simulator, uses_the_configured_address) {
@@ -125,7 +125,7 @@ TEST(Simulator, all_kinds_answer_at_their_addresses) {
     Listener host{daemon};
     for (const int address : {0xDC, 0xDD, 0xDE, 0xE6, 40}) {
         host.send(static_cast<std::uint8_t>(address), 0xE0, {0, 0, 0});
-        EXPECT_TRUE(host.hears(0xE3, [&](const Bytes& f) { return f[1] == address; })) << address;
+        EXPECT_TRUE(host.receives(0xE3, [&](const Bytes& f) { return f[1] == address; })) << address;
     }
 }
 

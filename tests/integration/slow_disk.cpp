@@ -29,8 +29,8 @@ using namespace support;
 using nlohmann::json;
 using LogTime = std::chrono::system_clock::time_point;
 
-constexpr auto slow_told_within = 1500ms * (sanitized ? 3 : 1);    // one second, plus a margin for a busy machine
-constexpr int large_at_once = 10;                                  // in a datagram
+constexpr auto slow_reported_within = 1500ms * (sanitized ? 3 : 1);    // one second, plus a margin for a busy machine
+constexpr int large_at_once = 10;                                      // in a datagram
 
 /// The largest frame that the default of max_data accepts.
 Bytes large_numbered(int number) {
@@ -47,7 +47,7 @@ protected:
         send_numbered(20);
         ASSERT_TRUE(until([](const json& running) { return running.at("frames") == 20; }));
         name = running().at("name");
-        ASSERT_TRUE(until_heard([&] { return take_frames() == 20; }));
+        ASSERT_TRUE(until_heard([&] { return read_frames() == 20; }));
     }
     void TearDown() override {
         disk.be_fast();    // otherwise the gateway can't be killed during a write
@@ -69,7 +69,7 @@ protected:
                 send(datagram);
             }
             const int before = came;
-            ASSERT_TRUE(until_heard([&] { return take_frames() > before; })) << "frame " << came << " did not come";
+            ASSERT_TRUE(until_heard([&] { return read_frames() > before; })) << "frame " << came << " did not come";
         }
     }
     bool until_heard(const std::function<bool()>& holds) const {
@@ -79,7 +79,7 @@ protected:
         });
     }
     /// Returns the number of frames received so far; checks their order.
-    int take_frames() {
+    int read_frames() {
         for (const Bytes& frame : b.frames()) {
             EXPECT_EQ(number_of(frame), came);
             came = number_of(frame) + 1;
@@ -146,7 +146,7 @@ TEST_F(SlowDisks, slower_than_the_data_are_reported_within_a_second_and_lost_fra
     const auto& items = written.files.at(0).items;
     const auto loss = std::find_if(items.begin(), items.end(), [](const KeptItem& item) { return item.lost > 0; });
     ASSERT_TRUE(loss != items.end() && loss != items.begin());
-    EXPECT_LT((told - time_of(loss[-1])) / 1ms, slow_told_within / 1ms) << "since the last frame before the loss";
+    EXPECT_LT((told - time_of(loss[-1])) / 1ms, slow_reported_within / 1ms) << "since the last frame before the loss";
 }
 
 TEST_F(SlowDisks, of_16_KB_a_second_are_reported_within_a_second_and_lose_nothing) {
@@ -156,7 +156,7 @@ TEST_F(SlowDisks, of_16_KB_a_second_are_reported_within_a_second_and_lose_nothin
     ASSERT_TRUE(until_error("the disk has written nothing for ")) << running();
     EXPECT_EQ(metric("anogate_recording_failing"), 1);
     const LogTime told = logged("the disk has written nothing for 1 s; frames are still forwarded, but are not recorded");
-    EXPECT_LT((told - disk.slow_since()) / 1ms, slow_told_within / 1ms);
+    EXPECT_LT((told - disk.slow_since()) / 1ms, slow_reported_within / 1ms);
     ASSERT_NO_FATAL_FAILURE(send_large(200));
     EXPECT_LT(running().at("frames").get<int>(), sent_);
     disk.be_fast();

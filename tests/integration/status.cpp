@@ -138,7 +138,7 @@ TEST(Status, shows_why_a_link_is_not_up_as_text_and_as_an_error_id) {
 
 class Hints : public testing::Test {
 protected:
-    bool hint_says(const std::string& link, const std::string& words) {
+    bool has_hint(const std::string& link, const std::string& words) {
         return daemon->until([&] { return daemon->link(link).at("hint").get<std::string>().find(words) != std::string::npos; });
     }
     TempDir dir;
@@ -150,7 +150,7 @@ TEST_F(Hints, report_data_without_valid_frames_as_a_wrong_baud_rate) {
     daemon.emplace(settings_of({serial("fc", fc.path())}));
     ASSERT_TRUE(daemon->until_up("fc"));
     fc.write(Bytes(500, 0xF8));
-    EXPECT_TRUE(hint_says("fc", "data but no valid frames: check baud rate and protocol"));
+    EXPECT_TRUE(has_hint("fc", "data but no valid frames: check baud rate and protocol"));
     for (int i = 0; i < 30; ++i) fc.write(vendor::i_am_an_mcu);
     EXPECT_TRUE(daemon->until([&] { return daemon->link("fc").at("hint") == ""; })) << "all is well now";
 }
@@ -161,7 +161,7 @@ TEST_F(Hints, are_logged_once_while_the_link_is_up) {
     anogate::HintLog log;
     EXPECT_TRUE(log.news(daemon->gateway()).empty());
     fc.write(Bytes(500, 0xF8));
-    ASSERT_TRUE(hint_says("fc", "data but no valid frames"));
+    ASSERT_TRUE(has_hint("fc", "data but no valid frames"));
     EXPECT_EQ(log.news(daemon->gateway()),
               std::vector<std::string>{"fc: data but no valid frames: check baud rate and protocol"});
     EXPECT_TRUE(log.news(daemon->gateway()).empty());
@@ -181,10 +181,10 @@ TEST_F(Hints, report_frames_of_an_older_version) {
     const auto checks = ano::checks_of(v7);
     v7 = v7 + Bytes{checks.sum, checks.add};
     fc.write(v7);
-    EXPECT_TRUE(hint_says("fc", "older V7 frames (0xAA) received"));
+    EXPECT_TRUE(has_hint("fc", "older V7 frames (0xAA) received"));
     UdpPeer device;
     device.send(daemon->port("ground"), v7);
-    EXPECT_TRUE(hint_says("ground", "older V7 frames (0xAA) received")) << "from a stranger as well";
+    EXPECT_TRUE(has_hint("ground", "older V7 frames (0xAA) received")) << "from a stranger as well";
 }
 
 TEST_F(Hints, about_older_frames_end_after_frames_of_the_current_version) {
@@ -193,7 +193,7 @@ TEST_F(Hints, about_older_frames_end_after_frames_of_the_current_version) {
     Bytes v7 = hex("AA FF 03 07 01 02 03 04 05 06 07");
     const auto checks = ano::checks_of(v7);
     fc.write(v7 + Bytes{checks.sum, checks.add});
-    ASSERT_TRUE(hint_says("fc", "V7"));
+    ASSERT_TRUE(has_hint("fc", "V7"));
     for (int i = 0; i < 40; ++i) fc.write(vendor::i_am_an_mcu);
     EXPECT_TRUE(daemon->until([&] { return daemon->link("fc").at("hint") == ""; })) << "the device was switched to V8";
 }
@@ -202,7 +202,7 @@ TEST_F(Hints, report_silence_with_its_length) {
     daemon.emplace(settings_of({serial("fc", fc.path())}));
     ASSERT_TRUE(daemon->until_up("fc"));
     fc.write(vendor::i_am_an_mcu);
-    EXPECT_TRUE(hint_says("fc", "silent for 3 s"));
+    EXPECT_TRUE(has_hint("fc", "silent for 3 s"));
 }
 
 TEST_F(Hints, a_changed_baud_rate_is_not_reported_as_silence) {
@@ -219,15 +219,15 @@ TEST_F(Hints, a_changed_baud_rate_is_not_reported_as_silence) {
     })) << daemon->link("fc").at("hint");
     fc.write(vendor::i_am_an_mcu);
     EXPECT_TRUE(daemon->until([&] { return daemon->link("fc").at("hint") == ""; }));
-    EXPECT_TRUE(hint_says("fc", "silent for 3 s")) << "and nothing more comes";
+    EXPECT_TRUE(has_hint("fc", "silent for 3 s")) << "and nothing more comes";
 }
 
 TEST_F(Hints, report_a_device_that_never_sent_and_a_port_without_a_peer) {
     daemon.emplace(settings_of({serial("fc", fc.path()), udp_listen("ground")}));
-    EXPECT_TRUE(hint_says("fc",
-                          "nothing received yet: check that the device is powered and that RX and TX are crossed (some devices "
-                          "send only after they receive a frame: try hello=on)"));
-    EXPECT_TRUE(hint_says("ground", "waiting for a peer"));
+    EXPECT_TRUE(has_hint("fc",
+                         "nothing received yet: check that the device is powered and that RX and TX are crossed (some devices "
+                         "send only after they receive a frame: try hello=on)"));
+    EXPECT_TRUE(has_hint("ground", "waiting for a peer"));
 }
 
 TEST_F(Hints, report_a_slow_link) {

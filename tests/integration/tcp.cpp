@@ -261,14 +261,14 @@ TEST_F(Tcp, fail_over_between_serial_and_tcp_loses_and_duplicates_no_command) {
             for (const Bytes& one : split(*stream).frames) heard += one[3] == 0xC0 ? 1u : 0u;
         return heard >= said;
     };
-    const auto say = [&] {
+    const auto send = [&] {
         ground.send(port("ground"), command(said++));
         return daemon->until(all_heard) && heard == said;
     };
     cable.write(telemetry);
     air.send(telemetry);
     ASSERT_TRUE(daemon->until([&] { return !ground.heard().empty(); }));
-    for (int n = 0; n < 20; ++n) ASSERT_TRUE(say()) << heard << " of " << said;
+    for (int n = 0; n < 20; ++n) ASSERT_TRUE(send()) << heard << " of " << said;
     const Bytes kept = cable.heard();
     std::size_t by_cable = 0;
     for (const Bytes& one : split(kept).frames) by_cable += one[3] == 0xC0 ? 1u : 0u;

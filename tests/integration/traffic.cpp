@@ -135,11 +135,11 @@ protected:
         daemon = std::make_unique<RunningGateway>(settings_of({std::move(to), std::move(from)}));
         EXPECT_TRUE(daemon->until_up("air"));
     }
-    void say(const Bytes& bytes) { air.send(daemon->port("air"), bytes); }
+    void send(const Bytes& bytes) { air.send(daemon->port("air"), bytes); }
     /// Sends the bytes and waits until the gateway has read them.
     void in(const Bytes& bytes) {
         total += split(bytes).frames.size();
-        say(bytes);
+        send(bytes);
         ASSERT_TRUE(daemon->until([&] { return daemon->count("air", "frames_in") == total; }));
     }
     const TempDir dir;

@@ -278,26 +278,26 @@ TEST_P(JoinedGateways, the_other_link_of_a_group_takes_over_when_one_becomes_sil
             start("vehicle");
             if (HasFatalFailure()) return run;
             int n = 0;
-            const auto say = [&] {
+            const auto send = [&] {
                 at_b.write(numbered(0xDD, 0xFE, 0x03, n));
                 at_a.write(command(n));
                 ++n;
                 for (int i = 0; i < 5; ++i) turn();
                 heard(at_a);
             };
-            while (n < 30) say();
+            while (n < 30) send();
             run.came = run.came && until_heard(at_b, run.at_b, 0, n, command);
             run.came = run.came && until_quiet();
             relays[failing]->fail();
             const int failed_at = n;
             EXPECT_TRUE(until([&] {
-                say();
+                send();
                 add(run.at_b, heard(at_b));
                 for (run.first = failed_at; run.first < n && run.at_b.count(key(command(run.first))) == 0;) ++run.first;
                 return run.first < n;
             })) << "nothing arrives any more";
             run.end = n + 30;
-            while (n < run.end) say();
+            while (n < run.end) send();
             run.came = run.came && until_heard(at_b, run.at_b, run.first, run.end, command);
             run.came = run.came && until_quiet();
             add(run.at_b, heard(at_b));

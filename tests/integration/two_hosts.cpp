@@ -36,11 +36,11 @@ protected:
         if (GetParam()) links.push_back(udp_listen("tower"));
         gateway = std::make_unique<RunningGateway>(settings_of(std::move(links)));
         EXPECT_TRUE(gateway->until_up("device") && gateway->until_up("ground"));
-        say(first, question);
-        say(second, question);
+        send(first, question);
+        send(second, question);
     }
     const char* link_of(const UdpPeer& host) const { return GetParam() && &host == &second ? "tower" : "ground"; }
-    void say(UdpPeer& host, const Bytes& what) {
+    void send(UdpPeer& host, const Bytes& what) {
         const std::size_t before = arrived();
         host.send(gateway->port(link_of(host)), what);
         EXPECT_TRUE(gateway->until([&] { return arrived() > before; }, 2s)) << "a frame of a host is lost";
@@ -57,9 +57,9 @@ protected:
 
 TEST_P(TwoHosts, can_both_lock_and_unlock) {
     for (int i = 0; i < 8; ++i) {
-        say(first, lock);
-        say(first, unlock);
-        say(second, lock);
+        send(first, lock);
+        send(first, unlock);
+        send(second, lock);
     }
     EXPECT_EQ(arrived(), 2u + 8 * 3);
     EXPECT_EQ(looped(), 0u);
@@ -68,9 +68,9 @@ TEST_P(TwoHosts, can_both_lock_and_unlock) {
 
 TEST_P(TwoHosts, can_both_send_commands_to_a_device_that_was_never_seen) {
     for (int i = 0; i < 8; ++i) {
-        say(first, addressed);
-        say(second, addressed);
-        say(second, addressed);
+        send(first, addressed);
+        send(second, addressed);
+        send(second, addressed);
     }
     EXPECT_EQ(looped(), 0u);
 }
@@ -78,8 +78,8 @@ TEST_P(TwoHosts, can_both_send_commands_to_a_device_that_was_never_seen) {
 TEST_P(TwoHosts, receive_at_most_one_probe_a_second_from_the_gateway) {
     const auto begin = anogate::Clock::now();
     for (int i = 0; i < 30; ++i) {
-        say(first, lock);
-        say(second, lock);
+        send(first, lock);
+        send(second, lock);
     }
     const auto seconds = static_cast<std::size_t>((anogate::Clock::now() - begin) / 1s);
     for (UdpPeer* host : {&first, &second}) {

@@ -61,12 +61,12 @@ TEST(UdpLink, shows_a_lost_peer_and_sends_to_it_again_when_it_returns) {
     const auto address = peer->local();
     UdpPeer air;
     RunningGateway daemon{udp("host", address.text()), udp_listen("air")};
-    const auto say = [&] { air.send(daemon.port("air"), telemetry); };
-    say();
+    const auto send = [&] { air.send(daemon.port("air"), telemetry); };
+    send();
     ASSERT_TRUE(daemon.until([&] { return peer->heard() == telemetry; }));
     peer.reset();
     EXPECT_TRUE(daemon.until([&] {
-        say();
+        send();
         return daemon.link("host").at("refused") > 3;
     }));
     EXPECT_EQ(daemon.link("host").at("state"), "up") << "a peer that is not there is no fault";
@@ -75,11 +75,11 @@ TEST(UdpLink, shows_a_lost_peer_and_sends_to_it_again_when_it_returns) {
 
     peer = std::make_unique<UdpPeer>(address.text());
     EXPECT_TRUE(daemon.until([&] {
-        say();
+        send();
         return !peer->heard().empty();
     }));
     EXPECT_TRUE(daemon.until([&] {
-        say();
+        send();
         return daemon.link("host").at("error") == "";
     })) << "it listens, though it never says a word";
     EXPECT_TRUE(split(peer->heard()).rest.empty());

@@ -26,7 +26,7 @@ const Bytes telemetry = frame(0xDC, 0xFE, 0x03, {1, 2, 3, 4, 5, 6, 0});
 struct TwoLinks {
     RunningGateway daemon{udp_listen("ground"), udp_listen("air")};
     UdpPeer air;
-    void say(const Bytes& bytes) { air.send(daemon.port("air"), bytes); }
+    void send(const Bytes& bytes) { air.send(daemon.port("air"), bytes); }
 };
 
 TEST(UdpListenLink, registers_a_peer_only_after_one_complete_valid_frame) {
@@ -72,7 +72,7 @@ TEST(UdpListenLink, every_peer_has_a_separate_channel) {
     ASSERT_TRUE(t.daemon.until([&] { return peers(t.daemon) == 3; }));
     for (UdpPeer* p : {&first, &second, &third}) p->forget();
     // Three hosts, all 0xFE: each receives a frame for 0xFE once.
-    t.say(telemetry);
+    t.send(telemetry);
     for (UdpPeer* p : {&first, &second, &third}) EXPECT_TRUE(t.daemon.until([&] { return p->heard() == telemetry; }));
     const auto link = t.daemon.link("ground");
     for (const auto& channel : link.at("channels")) {
@@ -132,7 +132,7 @@ TEST(UdpListenLink, partial_frames_of_several_peers_expire_independently) {
     TwoLinks t;
     UdpPeer one, two, host;
     for (UdpPeer* peer : {&one, &two}) peer->send(t.daemon.port("ground"), vendor::i_am_an_mcu);
-    t.say(telemetry);
+    t.send(telemetry);
     ASSERT_TRUE(t.daemon.until([&] { return peers(t.daemon) == 2 && t.daemon.count("air", "frames_in") == 1; }));
     const auto expired = [&](const UdpPeer& peer) {
         const auto link = t.daemon.link("ground");
@@ -216,12 +216,12 @@ TEST(UdpListenLink, removes_the_peer_silent_for_longest_when_max_peers_is_reache
     link.as<anogate::UdpListenSettings>().max_peers = 2;
     RunningGateway daemon{link};
     UdpPeer first, second, third;
-    const auto say = [&](UdpPeer& peer) {
+    const auto send = [&](UdpPeer& peer) {
         const auto before = daemon.count("ground", "frames_in");
         peer.send(daemon.port("ground"), vendor::who_are_you);
         return daemon.until([&] { return daemon.count("ground", "frames_in") == before + 1; });
     };
-    ASSERT_TRUE(say(first) && say(second) && say(first) && say(third));
+    ASSERT_TRUE(send(first) && send(second) && send(first) && send(third));
     const auto channels = daemon.link("ground").at("channels");
     ASSERT_EQ(channels.size(), 2u);
     for (const auto& channel : channels) EXPECT_NE(channel.at("peer"), second.local().text());
@@ -261,7 +261,7 @@ TEST(UdpListenLink, forwards_all_sixty_frames_of_one_datagram) {
     ASSERT_TRUE(t.daemon.until([&] { return peers(t.daemon) == 1; }));
     Bytes sixty;
     for (std::uint8_t n = 0; n < 60; ++n) sixty = sixty + frame(0xDC, 0xFE, 0xF1, Bytes(13, n));
-    t.say(sixty);
+    t.send(sixty);
     EXPECT_TRUE(t.daemon.until([&] { return host.heard() == sixty; }));
     EXPECT_EQ(t.daemon.count("air", "frames_in"), 60u);
 }
@@ -271,7 +271,7 @@ TEST(UdpListenLink, forwards_all_frames_of_the_first_datagram_of_a_new_sender) {
     UdpPeer host;
     host.send(t.daemon.port("ground"), vendor::who_are_you);
     ASSERT_TRUE(t.daemon.until([&] { return peers(t.daemon) == 1; }));
-    t.say(Bytes(5, 0x42) + telemetry + vendor::i_am_an_mcu);
+    t.send(Bytes(5, 0x42) + telemetry + vendor::i_am_an_mcu);
     EXPECT_TRUE(t.daemon.until([&] { return host.heard() == vendor::i_am_an_mcu + telemetry; })) << "urgent first";
 }
 
@@ -294,10 +294,10 @@ TEST(UdpListenLink, a_frame_may_be_split_across_two_datagrams) {
     TwoLinks t;
     UdpPeer host;
     host.send(t.daemon.port("ground"), vendor::who_are_you);
-    t.say(telemetry);
+    t.send(telemetry);
     ASSERT_TRUE(t.daemon.until([&] { return host.heard() == telemetry; }));
-    t.say(Bytes(telemetry.begin(), telemetry.begin() + 7));
-    t.say(Bytes(telemetry.begin() + 7, telemetry.end()));
+    t.send(Bytes(telemetry.begin(), telemetry.begin() + 7));
+    t.send(Bytes(telemetry.begin() + 7, telemetry.end()));
     EXPECT_TRUE(t.daemon.until([&] { return host.heard() == telemetry + telemetry; }));
     EXPECT_EQ(t.daemon.count("air", "skipped_bytes"), 0u);
 }
@@ -324,10 +324,10 @@ TEST(UdpListenLink, half_a_frame_does_not_spoil_the_next_datagram) {
     TwoLinks t;
     UdpPeer host;
     host.send(t.daemon.port("ground"), vendor::who_are_you);
-    t.say(telemetry);
+    t.send(telemetry);
     ASSERT_TRUE(t.daemon.until([&] { return host.heard() == telemetry; }));
-    t.say(Bytes(telemetry.begin(), telemetry.begin() + 7));
-    t.say(vendor::i_am_an_mcu);
+    t.send(Bytes(telemetry.begin(), telemetry.begin() + 7));
+    t.send(vendor::i_am_an_mcu);
     EXPECT_TRUE(t.daemon.until([&] { return host.heard() == telemetry + vendor::i_am_an_mcu; }));
 }
 
@@ -459,7 +459,7 @@ TEST(UdpListenLink, a_lost_peer_does_not_disturb_other_peers) {
     gone.reset();
     Bytes expected;
     for (int i = 0; i < 20; ++i) {
-        t.say(telemetry);
+        t.send(telemetry);
         expected = expected + telemetry;
         ASSERT_TRUE(t.daemon.until([&] { return host.heard() == expected; }));
     }
@@ -482,7 +482,7 @@ TEST(UdpListenLink, network_errors_of_lost_peers_lose_no_frame_of_another_peer) 
     for (std::uint8_t n = 0; n < 20; ++n) burst = burst + frame(0xDC, 0xFE, 0xF1, Bytes(13, n));
     Bytes expected;
     for (int i = 0; i < 20; ++i) {
-        t.say(burst);
+        t.send(burst);
         expected = expected + burst;
         ASSERT_TRUE(t.daemon.until([&] { return host.heard() == expected; })) << i;
     }

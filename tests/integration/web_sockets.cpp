@@ -10,7 +10,7 @@
 namespace http_server {
 namespace {
 
-constexpr std::uint8_t continued = 0, said_text = 1, said_binary = 2, said_close = 8, said_ping = 9, said_pong = 10;
+constexpr std::uint8_t continued = 0, op_text = 1, op_binary = 2, op_close = 8, op_ping = 9, op_pong = 10;
 
 std::string upgrade(const std::string& more = "Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n") {
     return "GET /socket HTTP/1.1\r\nHost: x\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n" + more + "\r\n";
@@ -30,12 +30,12 @@ std::string frame(std::uint8_t opcode, const std::string& data, bool last = true
     return bytes;
 }
 std::string close_frame(std::uint16_t code, const std::string& reason = {}) {
-    return frame(said_close, std::string{static_cast<char>(code >> 8), static_cast<char>(code & 0xFF)} + reason);
+    return frame(op_close, std::string{static_cast<char>(code >> 8), static_cast<char>(code & 0xFF)} + reason);
 }
 /// A server's frame, which is not masked.
 std::string from_server(std::uint8_t opcode, const std::string& data) { return frame(opcode, data, true, false); }
 std::string closed_with(std::uint16_t code, const std::string& reason = {}) {
-    return from_server(said_close, std::string{static_cast<char>(code >> 8), static_cast<char>(code & 0xFF)} + reason);
+    return from_server(op_close, std::string{static_cast<char>(code >> 8), static_cast<char>(code & 0xFF)} + reason);
 }
 
 class WebSockets : public HttpServer {
@@ -50,14 +50,14 @@ protected:
         client.heard().clear();
         return client;
     }
-    bool says(Client& client, const std::string& bytes) {
+    bool receives_bytes(Client& client, const std::string& bytes) {
         const bool said = until([&] { return client.heard().size() >= bytes.size(); }) && client.heard().starts_with(bytes);
         if (said) client.heard().erase(0, bytes.size());
         return said;
     }
     /// The client receives the reason for the close, then the connection ends and its user is destroyed.
     bool ends_with(Client& client, const std::string& bytes) {
-        return says(client, bytes) && until([&] { return client.is_closed() && echo.gone; }) && client.heard().empty();
+        return receives_bytes(client, bytes) && until([&] { return client.is_closed() && echo.gone; }) && client.heard().empty();
     }
 };
 
@@ -68,14 +68,14 @@ TEST_P(WebSockets, carry_text_and_bytes_both_ways_in_order) {
     Client client = open(GetParam());
     std::string answers;
     for (const std::string& message : {std::string{"one"}, std::string(500, '2'), std::string(60'000, '3')}) {
-        client.send(frame(said_text, message));
-        answers += from_server(said_text, message);
+        client.send(frame(op_text, message));
+        answers += from_server(op_text, message);
     }
-    client.send(frame(said_binary, std::string("\0\xFF\xAB", 3)) + frame(said_text, ""));
-    answers += from_server(said_binary, std::string("\0\xFF\xAB", 3)) + from_server(said_text, "");
-    EXPECT_TRUE(says(client, answers));
-    client.send(frame(said_text, "in ", false) + frame(said_ping, "between") + frame(continued, "pieces"));
-    EXPECT_TRUE(says(client, from_server(said_pong, "between") + from_server(said_text, "in pieces")));
+    client.send(frame(op_binary, std::string("\0\xFF\xAB", 3)) + frame(op_text, ""));
+    answers += from_server(op_binary, std::string("\0\xFF\xAB", 3)) + from_server(op_text, "");
+    EXPECT_TRUE(receives_bytes(client, answers));
+    client.send(frame(op_text, "in ", false) + frame(op_ping, "between") + frame(continued, "pieces"));
+    EXPECT_TRUE(receives_bytes(client, from_server(op_pong, "between") + from_server(op_text, "in pieces")));
     EXPECT_GT(echo.sent_all, 0);
     client.send(close_frame(1000));
     EXPECT_TRUE(ends_with(client, closed_with(1000)));
@@ -83,17 +83,17 @@ TEST_P(WebSockets, carry_text_and_bytes_both_ways_in_order) {
 
 TEST_P(WebSockets, receive_messages_that_were_sent_together_with_the_request) {
     Client client = connect(GetParam());
-    client.send(upgrade() + frame(said_text, "early") + frame(said_text, std::string(3000, 'e')));
-    EXPECT_TRUE(until(
-        [&] { return client.has_heard(from_server(said_text, "early") + from_server(said_text, std::string(3000, 'e'))); }));
+    client.send(upgrade() + frame(op_text, "early") + frame(op_text, std::string(3000, 'e')));
+    EXPECT_TRUE(
+        until([&] { return client.has_heard(from_server(op_text, "early") + from_server(op_text, std::string(3000, 'e'))); }));
 }
 
 TEST_P(WebSockets, close_on_request_and_send_the_reason_to_the_client) {
     Client client = open(GetParam());
     echo.socket->close(1001, "the gateway is stopping");
     EXPECT_FALSE(echo.socket->send(std::make_shared<const std::string>("late"), WebSocket::Kind::text));
-    EXPECT_TRUE(says(client, closed_with(1001, "the gateway is stopping")));
-    client.send(frame(said_text, "not heard any more") + close_frame(1001));
+    EXPECT_TRUE(receives_bytes(client, closed_with(1001, "the gateway is stopping")));
+    client.send(frame(op_text, "not heard any more") + close_frame(1001));
     EXPECT_TRUE(until([&] { return client.is_closed() && echo.gone; }));
 }
 
@@ -105,7 +105,7 @@ TEST_P(WebSockets, close_when_memory_runs_out_without_affecting_others) {
     echo = {};
     Client other = open(GetParam());
     echo.has_memory = false;
-    other.send(frame(said_text, "x"));
+    other.send(frame(op_text, "x"));
     EXPECT_TRUE(until([&] { return other.is_closed() && echo.gone; }));
     echo = {};
     Client third = open(GetParam());
@@ -115,8 +115,8 @@ TEST_P(WebSockets, close_when_memory_runs_out_without_affecting_others) {
     EXPECT_TRUE(until([&] { return third.is_closed() && echo.gone; }));
     echo = {};
     Client fourth = open(GetParam());
-    fourth.send(frame(said_text, "as before"));
-    EXPECT_TRUE(says(fourth, from_server(said_text, "as before")));
+    fourth.send(frame(op_text, "as before"));
+    EXPECT_TRUE(receives_bytes(fourth, from_server(op_text, "as before")));
 }
 
 TEST_P(WebSockets, end_when_their_client_disconnects) {
@@ -130,13 +130,13 @@ TEST_P(WebSockets, close_with_the_right_code_after_an_invalid_frame) {
         std::string bytes;
         std::uint16_t code;
     } const bad[] = {
-        {frame(said_text, "not masked", true, false), 1002},
+        {frame(op_text, "not masked", true, false), 1002},
         {frame(continued, "of nothing"), 1002},
-        {frame(said_text, "one", false) + frame(said_text, "two"), 1002},
+        {frame(op_text, "one", false) + frame(op_text, "two"), 1002},
         {frame(3, "no such opcode"), 1002},
-        {frame(said_ping, std::string(126, 'x')), 1002},
-        {frame(said_text, "\xFF\xFE"), 1007},
-        {frame(said_binary, std::string(65'535, 'x'), false) + frame(continued, "xx"), 1009},
+        {frame(op_ping, std::string(126, 'x')), 1002},
+        {frame(op_text, "\xFF\xFE"), 1007},
+        {frame(op_binary, std::string(65'535, 'x'), false) + frame(continued, "xx"), 1009},
     };
     for (const auto& [bytes, code] : bad) {
         echo = {};
@@ -200,9 +200,9 @@ TEST_P(ImpatientWebSockets, stay_open_only_while_the_client_answers_pings) {
     Client client = open(GetParam());
     const auto begin = std::chrono::steady_clock::now();
     ASSERT_TRUE(until([&] {
-        if (client.has_heard(from_server(said_ping, ""))) {
+        if (client.has_heard(from_server(op_ping, ""))) {
             client.heard().clear();
-            client.send(frame(said_pong, ""));
+            client.send(frame(op_pong, ""));
         }
         return std::chrono::steady_clock::now() - begin > 600ms;
     }));
@@ -217,7 +217,7 @@ TEST_P(ImpatientWebSockets, are_closed_when_the_client_reads_nothing) {
     // The client sends all the time; that it does not read is independent.
     EXPECT_TRUE(until([&] {
         if (!echo.gone) echo.socket->send(message, WebSocket::Kind::binary);
-        client.send(frame(said_pong, ""));
+        client.send(frame(op_pong, ""));
         return echo.gone;
     }));
     EXPECT_TRUE(until([&] { return client.is_closed(); }));
@@ -303,7 +303,7 @@ TEST_F(JudgingHttpServer, handles_a_command_between_messages_of_read_only_web_so
         ++heard;
         std::this_thread::sleep_for(10ms);
     };
-    for (Client& one : crowd) one.send(frame(said_text, "a") + frame(said_text, "b"));
+    for (Client& one : crowd) one.send(frame(op_text, "a") + frame(op_text, "b"));
     Client pilot{UniqueFd{support::connect_tcp(port)}};
     ASSERT_TRUE(until([&] { return heard > 0; }));
     pilot.send("GET /short?n=landed HTTP/1.1\r\nHost: 127.0.0.1\r\n" + bearer("may-act") + "\r\n");

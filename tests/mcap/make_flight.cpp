@@ -106,7 +106,7 @@ int main(int count, char** words) {
     constexpr std::size_t often = 400;
     std::string cut = written(items, {}, often, false) + std::string(1000, '\0');
     anogate::RecordingRepair repair{anogate::RecordingFormat::mcap};
-    repair.give(cut);
+    repair.feed(cut);
     const auto result = repair.finish();
     cut.resize(result.keep);
     const bool all =

@@ -41,20 +41,20 @@ public:
               {"attachments", 0},
               {"metadata", 0}};
 
-    void take_outer(const mcap::Record& record, mcap::Records& records) {
+    void process_outer(const mcap::Record& record, mcap::Records& records) {
         if (record.opcode == Opcode::data_end) is_data_over_ = true;
         if (is_data_over_) return;
         if (record.opcode == Opcode::attachment) json["attachments"] = json["attachments"].get<int>() + 1;
         if (record.opcode == Opcode::metadata) json["metadata"] = json["metadata"].get<int>() + 1;
-        if (record.opcode != Opcode::chunk) return take(record);
+        if (record.opcode != Opcode::chunk) return process(record);
         std::string inner;
         if (const auto fault = opener_.open(record.body, inner); fault.why != nullptr) return records.refuse(fault.why, record);
         std::string_view rest = inner;
-        while (const auto one = mcap::take_record(rest)) take(*one);
+        while (const auto one = mcap::next_record(rest)) process(*one);
     }
 
 private:
-    void take(const mcap::Record& record) {
+    void process(const mcap::Record& record) {
         mcap::Fields fields{record.body};
         if (record.opcode == Opcode::schema) {
             const auto id = fields.number<std::uint16_t>();
@@ -108,8 +108,8 @@ Json index_agrees(const std::string& file, const support::ReadRecording& read) {
 Json content_of(const std::string& file) {
     Content content;
     mcap::Records records;
-    records.give(file);
-    while (const auto record = records.next()) content.take_outer(*record, records);
+    records.feed(file);
+    while (const auto record = records.next()) content.process_outer(*record, records);
     const support::ReadRecording read = support::read_recording(file);
     Json json = content.json;
     json["fault"] = records.fault() != nullptr ? records.fault() : read.fault;
@@ -127,7 +127,7 @@ int main() {
     std::string path;
     while (std::getline(std::cin, path)) {
         if (!std::ifstream{path}) return std::cerr << path << " can't be read\n", 1;
-        std::cout << content_of(support::text_of(path)).dump() << '\n';
+        std::cout << content_of(support::file_text(path)).dump() << '\n';
     }
     return 0;
 }

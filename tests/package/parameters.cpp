@@ -58,5 +58,5 @@ int main(int argc, char** argv) {
     if (!finish(device, parser, after)) return 1;
     for (const auto& parameter : after.descriptions())
         if (const auto value = after.value(parameter.id))
-            std::cerr << parameter.name << " = " << ano::host::words_of(*value) << ", " << parameter.info << '\n';
+            std::cerr << parameter.name << " = " << ano::host::to_string(*value) << ", " << parameter.info << '\n';
 }

@@ -57,7 +57,7 @@ struct Deaf {
 
 using Begin = std::function<std::unique_ptr<Task>(Deaf&)>;
 
-struct Operation {
+struct NamedOperation {
     std::string name;
     Begin begin;
 };
@@ -71,7 +71,7 @@ Begin begin(Arguments... arguments) {
     };
 }
 
-std::vector<Operation> operations() {
+std::vector<NamedOperation> operations() {
     FirmwareImage image;
     static const Bytes bytes(1000, 7);
     image.bytes = bytes;
@@ -111,11 +111,11 @@ void know_count(Deaf& deaf) {
     ASSERT_TRUE(deaf.device.info());
 }
 
-bool is_command(const Operation& operation) { return operation.name == "call"; }
+bool is_command(const NamedOperation& operation) { return operation.name == "call"; }
 
 // How much longer the operation may take behind a damaged header, `after` a flush. A list repeats questions whose answers wait on a
 // slow line, and may flush once more for them.
-ano::Duration longer(const Deaf& deaf, const Operation& operation, ano::Duration after) {
+ano::Duration longer(const Deaf& deaf, const NamedOperation& operation, ano::Duration after) {
     const bool is_list = operation.name == "list";
     // Immediately after the operation that flushed, the next flush is a second away, and the question for the device info follows.
     const ano::Duration identification = after == 0ms ? deaf.time_of_bytes(32) + 2 * deaf.line.delay : 0ms;
@@ -123,7 +123,7 @@ ano::Duration longer(const Deaf& deaf, const Operation& operation, ano::Duration
 }
 
 // How long the operation takes; std::nullopt: it fails.
-std::optional<ano::Duration> time_of(Deaf& deaf, const Operation& operation, bool disturbed, ano::Duration after = 1500ms) {
+std::optional<ano::Duration> time_of(Deaf& deaf, const NamedOperation& operation, bool disturbed, ano::Duration after = 1500ms) {
     deaf.simulation.pass(after);
     if (disturbed) deaf.simulation.disturb(bad_header);
     const auto task = operation.begin(deaf);
@@ -134,7 +134,7 @@ std::optional<ano::Duration> time_of(Deaf& deaf, const Operation& operation, boo
 
 TEST(DeafDevice, an_operation_takes_at_most_a_second_longer_after_a_damaged_header) {
     for (const unsigned baud : {9600u, 57600u, 115200u, 500000u})
-        for (const Operation& operation : operations()) {
+        for (const NamedOperation& operation : operations()) {
             SCOPED_TRACE(operation.name + " at " + std::to_string(baud));
             Deaf clean{baud}, disturbed{baud};
             know_count(clean);
@@ -153,7 +153,7 @@ TEST(DeafDevice, an_operation_takes_at_most_a_second_longer_after_a_damaged_head
 // wait for the next one.
 TEST(DeafDevice, an_operation_right_after_a_list_takes_at_most_a_second_longer_too) {
     for (const unsigned baud : {9600u, 19200u, 57600u, 115200u})
-        for (const Operation& operation : operations()) {
+        for (const NamedOperation& operation : operations()) {
             SCOPED_TRACE(operation.name + " at " + std::to_string(baud));
             Deaf clean{baud}, disturbed{baud};
             for (Deaf* const deaf : {&clean, &disturbed}) {
@@ -173,7 +173,7 @@ TEST(DeafDevice, an_operation_right_after_a_list_takes_at_most_a_second_longer_t
 // The previous command may be TAKE_OFF, and this one LAND.
 TEST(DeafDevice, a_call_never_waits_for_a_flush) {
     for (const unsigned baud : {9600u, 57600u, 115200u, 500000u})
-        for (const Operation& before : operations())
+        for (const NamedOperation& before : operations())
             for (ano::Duration after{}; after < 1s; after += 50ms) {
                 if (before.name == "flash") continue;    // takes many seconds
                 SCOPED_TRACE(std::to_string(after / 1ms) + " ms after " + before.name + " at " + std::to_string(baud));
@@ -188,14 +188,14 @@ TEST(DeafDevice, a_call_never_waits_for_a_flush) {
 
 // The flush of the first operation delays that of the second.
 TEST(DeafDevice, both_of_two_consecutive_operations_succeed_after_a_damaged_header_each) {
-    std::vector<Operation> all = operations();
+    std::vector<NamedOperation> all = operations();
     all.pop_back();    // an upgrade takes many seconds
     all.push_back({"count", begin<Count>()});
     all.push_back(
         {"repeated call", begin<CommandCall>(CommandInfo{0, {1, 2, 3}, {}, false, "go", ""}, std::vector<AnyValue>{}, true)});
     for (const unsigned baud : {9600u, 57600u, 115200u, 500000u})
-        for (const Operation& first : all)
-            for (const Operation& second : all)
+        for (const NamedOperation& first : all)
+            for (const NamedOperation& second : all)
                 for (ano::Duration after{}; after <= 1100ms; after += 50ms) {
                     if (is_command(second) && after < 1s) continue;    // it does not wait for the flush, and is lost
                     SCOPED_TRACE(second.name + ' ' + std::to_string(after / 1ms) + " ms after " + first.name + " at " +
@@ -215,7 +215,7 @@ TEST(DeafDevice, both_of_two_consecutive_operations_succeed_after_a_damaged_head
 TEST(DeafDevice, all_operations_of_a_session_succeed_with_a_damaged_header_before_each) {
     Deaf deaf{115200};
     know_count(deaf);
-    for (const Operation& operation : operations()) EXPECT_TRUE(time_of(deaf, operation, true)) << operation.name;
+    for (const NamedOperation& operation : operations()) EXPECT_TRUE(time_of(deaf, operation, true)) << operation.name;
     std::size_t calls = 0;
     for (const Bytes& frame : deaf.fake.heard) calls += frame[3] == 0xC0;
     EXPECT_EQ(calls, 1u);
@@ -225,7 +225,7 @@ TEST(DeafDevice, all_operations_of_a_session_succeed_with_a_damaged_header_befor
 // just left.
 TEST(DeafDevice, one_that_was_never_asked_takes_at_most_a_second_longer_too) {
     for (const unsigned baud : {9600u, 19200u, 57600u, 115200u, 500000u})
-        for (const Operation& operation : operations())
+        for (const NamedOperation& operation : operations())
             for (ano::Duration after{}; after <= 1100ms; after += 50ms) {
                 if (is_command(operation) && after < 1s) continue;    // it does not wait for the flush, and is lost
                 SCOPED_TRACE(operation.name + ' ' + std::to_string(after / 1ms) + " ms after a flush at " + std::to_string(baud));

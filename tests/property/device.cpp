@@ -81,7 +81,7 @@ struct Thing {
         }
         device.parameters().add(row);
     }
-    std::vector<Bytes> hear(const Bytes& frame, ano::TimePoint now = start) {
+    std::vector<Bytes> receive(const Bytes& frame, ano::TimePoint now = start) {
         device.take(FrameView{frame}, now);
         std::vector<Bytes> answers;
         while (const auto out = device.next()) answers.emplace_back(out->frame.bytes().begin(), out->frame.bytes().end());
@@ -119,7 +119,7 @@ TEST(Device, stores_each_acknowledged_value_or_the_nearest_allowed_one) {
             const Bytes value = random_bytes(random, random.below(24u));
             const Value before = thing.values[id];
             const Bytes write = support::frame(host, 0x21, 0xE1, Bytes{static_cast<std::uint8_t>(id), 0} + value);
-            const bool acknowledged = !thing.hear(write).empty();
+            const bool acknowledged = !thing.receive(write).empty();
             const Value& after = thing.values[id];
             const bool whole = ano::is_whole_value(value.size(), row.type);
             if (!acknowledged) {
@@ -139,7 +139,7 @@ TEST(Device, stores_each_acknowledged_value_or_the_nearest_allowed_one) {
             }
             Bytes told;
             append_value(told, row.type, after);
-            const auto read = thing.hear(support::frame(host, 0x21, 0xE0, {2, static_cast<std::uint8_t>(id), 0}));
+            const auto read = thing.receive(support::frame(host, 0x21, 0xE0, {2, static_cast<std::uint8_t>(id), 0}));
             ASSERT_EQ(read,
                       (std::vector<Bytes>{support::frame(0x21, host, 0xE1, Bytes{static_cast<std::uint8_t>(id), 0} + told)}));
         }
@@ -178,7 +178,7 @@ TEST(Device, answers_every_frame_at_most_once) {
             const auto allocated = support::allocations;
             thing.device.run(now);
             while (thing.device.next()) ++late;
-            const auto answers = thing.hear(frame, now);
+            const auto answers = thing.receive(frame, now);
             ASSERT_LE(support::allocations - allocated, 60u) << "seed " << seed;
             ASSERT_LE(answers.size(), 1u) << "seed " << seed;
             const bool may_be_answered = from != 0 && from != 0xFF && from != 0x21 && (to == 0x21 || to == 0xFF);
@@ -243,7 +243,7 @@ TEST(Device, causes_no_storm_with_another_device) {
             const Bytes frame = line.front();
             line.pop_front();
             for (Thing* thing : {&a, &b})
-                for (Bytes& answer : thing->hear(frame)) line.push_back(std::move(answer));
+                for (Bytes& answer : thing->receive(frame)) line.push_back(std::move(answer));
         }
     }
 }
@@ -262,7 +262,7 @@ TEST(Device, installs_an_image_only_if_it_is_complete) {
                                      installed.assign(whole.bytes.begin(), whole.bytes.end());
                                      return true;
                                  }});
-        const auto say = [&](const Bytes& data) {
+        const auto send = [&](const Bytes& data) {
             const Bytes frame = support::frame(host, 0x21, 0xF0, data);
             device.take(FrameView{frame}, start);
             const auto out = device.next();
@@ -273,20 +273,20 @@ TEST(Device, installs_an_image_only_if_it_is_complete) {
         ano::store(info.data() + 1, static_cast<std::uint32_t>(image.size()));
         ano::store(info.data() + 5, static_cast<std::uint16_t>(part));
         ano::store(info.data() + 7, ano::crc16_of(image));
-        ASSERT_EQ(say(info), 0x0102);
-        ASSERT_EQ(say({0, 0x10, 0x01}), 0x0112);
+        ASSERT_EQ(send(info), 0x0102);
+        ASSERT_EQ(send({0, 0x10, 0x01}), 0x0112);
         std::vector<bool> arrived(parts);
         for (std::size_t i = 0; i < 4 * parts; ++i) {
             const std::size_t number = random.below(parts);
             const auto begin = image.begin() + static_cast<std::ptrdiff_t>(number * part);
             const auto end = number + 1 == parts ? image.end() : begin + static_cast<std::ptrdiff_t>(part);
             ASSERT_EQ(
-                say(Bytes{0x10, static_cast<std::uint8_t>(number), static_cast<std::uint8_t>(number >> 8)} + Bytes(begin, end)),
+                send(Bytes{0x10, static_cast<std::uint8_t>(number), static_cast<std::uint8_t>(number >> 8)} + Bytes(begin, end)),
                 0x1002);
             arrived[number] = true;
         }
         const bool whole = std::find(arrived.begin(), arrived.end(), false) == arrived.end();
-        ASSERT_EQ(say({0, 0x10, 0x10}), whole ? 0x1012 : 0x1011) << "seed " << seed;
+        ASSERT_EQ(send({0, 0x10, 0x10}), whole ? 0x1012 : 0x1011) << "seed " << seed;
         ASSERT_EQ(installed, whole ? image : Bytes{}) << "seed " << seed;
     }
 }

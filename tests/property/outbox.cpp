@@ -153,7 +153,7 @@ struct ClassQueue {
                     std::erase_if(*line, [&](const Frame& f) { return f.number == number; });
         tidy();
     }
-    std::uint64_t gives_way() {
+    std::uint64_t next_evicted() {
         Place& place = places[longest(places)];
         return place.senders[longest(place.senders)].oldest().front().number;
     }
@@ -224,7 +224,7 @@ struct Model {
                 if (k == c ? !entitled : has_more && (entitled || k > c)) loser = k;
             }
             auto& queue = queues[loser.value_or(lowest.value_or(0))];
-            queue.erase(queue.gives_way());
+            queue.erase(queue.next_evicted());
             ++counters.queue_full;
         }
         return true;

@@ -140,7 +140,7 @@ TEST_P(AnyInput, returns_the_frames_and_counters_of_the_reference) {
             Bytes bytes = random_piece(random, max_data);
             while (random.one_in(2)) append(bytes, random_piece(random, max_data));
             if (datagrams) {
-                both.put_datagram(bytes);
+                both.feed_datagram(bytes);
             } else {
                 std::span<const std::uint8_t> rest{bytes};
                 while (!rest.empty()) {
@@ -171,7 +171,7 @@ TEST(FrameParser, finds_images_among_other_frames_as_the_reference_does) {
         for (int step = 0; step < 40 && both.difference.empty(); ++step) {
             Bytes bytes = random.one_in(2) ? random_image(random) : random_piece(random, 4096);
             while (random.one_in(2)) append(bytes, random_piece(random, 200));
-            if (datagrams) both.put_datagram(bytes);
+            if (datagrams) both.feed_datagram(bytes);
             for (std::span<const std::uint8_t> rest{bytes}; !datagrams && !rest.empty();) {
                 const std::size_t n = std::min(rest.size(), 1 + random.below(random.of<std::size_t>({30, 700, 5000})));
                 both.put(rest.first(n));

@@ -136,18 +136,18 @@ TEST(PeerBook, removes_no_peer_that_is_entitled_to_its_connection_quota) {
             const std::size_t own = of_address(stranger.address);
             const PeerBook::Place place = book.place_for(stranger, now);
             if (own < max_of_address && peers.size() < most) {
-                ASSERT_TRUE(place.free && !place.gives_way) << seed << " " << step;
+                ASSERT_TRUE(place.free && !place.evicted) << seed << " " << step;
             }
-            if (place.gives_way) {
-                const Peer& p = peers.at(*place.gives_way);
+            if (place.evicted) {
+                const Peer& p = peers.at(*place.evicted);
                 const bool same = p.endpoint.address == stranger.address;
                 ASSERT_TRUE(own < max_of_address || same) << seed << " " << step;
                 if (now - p.heard < timeout) {
                     ASSERT_FALSE(p.again) << seed << " " << step;
                     ASSERT_TRUE(same || of_address(p.endpoint.address) > own + 1) << seed << " " << step;
                 }
-                book.remove(*place.gives_way);
-                peers.erase(*place.gives_way);
+                book.remove(*place.evicted);
+                peers.erase(*place.evicted);
             }
             if (!place.free) continue;
             ChannelId id{};

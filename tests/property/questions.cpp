@@ -48,7 +48,7 @@ struct Device {
     int channels = 1;                    // of the questions; derived from their numbers
     std::map<int, int> left, last_of;    // by channel
 
-    void hear(const Bytes& frame, ano::TimePoint now) {
+    void receive(const Bytes& frame, ano::TimePoint now) {
         if (!question_in(ano::FrameView{frame})) return others.push_back(frame);
         last = number(frame);
         const int channel = last % channels;
@@ -91,7 +91,7 @@ public:
         for (std::size_t i = 0; i < count; ++i) frames.emplace_back(pieces[i].begin(), pieces[i].end());
         for (const Bytes& frame : frames) {
             outbox.sent_frame();
-            device.hear(frame, now);
+            device.receive(frame, now);
         }
     }
     void reply(Random& random) {
@@ -100,7 +100,7 @@ public:
         std::advance(one, random.below(device.unanswered.size()));
         const Bytes frame = answer(one->first);
         device.unanswered.erase(one);
-        queue.hear(ano::FrameView{frame}, now);
+        queue.receive(ano::FrameView{frame}, now);
     }
     void close() {
         outbox.close();

@@ -82,7 +82,7 @@ TEST_P(Recording, any_bytes_are_read_without_harm) {
     std::vector<std::string> seeds;
     const std::string corpus = "tests/fuzz/corpus/" + std::string{text(GetParam())};
     for (const auto& entry : std::filesystem::directory_iterator{support::source_file(corpus)})
-        seeds.push_back(support::text_of(entry.path()));
+        seeds.push_back(support::file_text(entry.path()));
     ASSERT_FALSE(seeds.empty());
     for (std::uint64_t seed = 0; seed < support::trials(1000); ++seed) {
         Random random{seed};

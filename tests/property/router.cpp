@@ -46,7 +46,7 @@ struct Model {
     std::map<std::uint8_t, TimePoint> next_claim;
     std::map<std::uint8_t, LinkId> left;    // the link of an address whose only channel was closed
 
-    void hear(ChannelId from, std::uint8_t source, TimePoint now) {
+    void receive(ChannelId from, std::uint8_t source, TimePoint now) {
         if (source == 0x00 || source == 0xFF) return;
         Open& channel = channels[from];
         if (const auto found = pinned.find(source); found != pinned.end() && !found->second.contains(channel.link)) return;
@@ -210,7 +210,7 @@ struct Trial {
         const std::uint8_t source = addresses[random.below(std::size(addresses))];
         const std::uint8_t destination = addresses[random.below(std::size(addresses))];
         if (source == destination) return;    // a host and a device with one address: see unit/gateway/router_acts.cpp
-        model.hear(from, source, now);
+        model.receive(from, source, now);
 
         const auto before = support::allocations;
         const bool acts = random.one_in(2) && !ano::address::is_host(destination);
@@ -276,7 +276,7 @@ TEST(Router, moves_an_address_only_after_silence) {
             const TimePoint next = now + random.of<Duration>({1ms, 500ms, 500ms, 2s, 4s});
             while (router->next_question().value_or(TimePoint::max()) <= next) {    // the gateway checks in time
                 now = *router->next_question();
-                while (const auto question = router->take_question(now))
+                while (const auto question = router->pop_question(now))
                     EXPECT_EQ(question->channels, ChannelSet{static_cast<ChannelId>(*home)});
                 if (claimant && now == began + 3s) move(*std::exchange(claimant, std::nullopt));
             }

@@ -39,7 +39,7 @@ TEST(Tunnel, wraps_frames_into_parts_that_fit_and_unwraps_them_unchanged) {
         for (unsigned i = random.below(30u); i > 0; --i) frames.push_back(random_frame(random, 120));
         for (const Bytes& f : frames)
             if (f.size() <= room) expected.push_back(f);
-        const Tunnel::Take take = [&](ano::FrameView f) {
+        const Tunnel::OnFrame on_frame = [&](ano::FrameView f) {
             ASSERT_TRUE(ano::frame_at(f.bytes(), max_data)) << "whole, good, and within max_data";
             ASSERT_EQ(f.source(), rule.source);
             ASSERT_EQ(f.destination(), rule.to);
@@ -50,8 +50,8 @@ TEST(Tunnel, wraps_frames_into_parts_that_fit_and_unwraps_them_unchanged) {
             ASSERT_TRUE(inner.good());
         };
         ASSERT_TRUE(tunnel.begin_wrap(0, max_data, {sender, port}));
-        for (const Bytes& f : frames) tunnel.add_to_wrap(*ano::frame_at(f), take);
-        tunnel.end_wrap(take);
+        for (const Bytes& f : frames) tunnel.add_to_wrap(*ano::frame_at(f), on_frame);
+        tunnel.end_wrap(on_frame);
         ASSERT_EQ(got, expected) << "seed " << seed;
         ASSERT_EQ(tunnel.counters().tunnel_too_big, frames.size() - expected.size()) << "seed " << seed;
     }
@@ -79,7 +79,7 @@ TEST(Tunnel, never_unwraps_a_frame_twice) {
 TEST(UnwrapCorpus, keeps_all_invariants) {
     std::size_t seeds = 0;
     for (const auto& entry : std::filesystem::directory_iterator{support::source_file("tests/fuzz/corpus/unwrap")}) {
-        const std::string text = support::text_of(entry.path());
+        const std::string text = support::file_text(entry.path());
         const Bytes seed{text.begin(), text.end()};
         LLVMFuzzerTestOneInput(seed.data(), seed.size());
         Random random{++seeds};

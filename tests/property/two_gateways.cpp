@@ -65,7 +65,7 @@ private:
     void add(unsigned channel, bool probed) {
         ForwarderLink link;
         link.route.group = channel == device ? 0 : group_of_links;
-        link.takes_probes = probed;
+        link.allows_probes = probed;
         const LinkId id = forwarder->add_link(link);
         channels.resize(std::max<std::size_t>(channels.size(), channel + 1));
         channels[channel] = forwarder->open_channel(id, {}, TimePoint::min());
@@ -575,13 +575,13 @@ TEST(Hosts, one_that_repeats_itself_and_stops_loses_nothing) {
 // One host is on a cable, where no probe is sent, the other is not. Devices send, or the hosts sent before.
 TEST(Hosts, one_behind_a_cable_loses_nothing) {
     support::Random random{7};
-    for (const bool devices_speak : {true, false})
+    for (const bool devices_send : {true, false})
         for (const int frequency : {1, 5, 50})
             for (std::uint64_t i = 0; i < support::trials(10); ++i) {
-                SCOPED_TRACE(testing::Message() << devices_speak << ' ' << frequency << ' ' << i);
+                SCOPED_TRACE(testing::Message() << devices_send << ' ' << frequency << ' ' << i);
                 World world{1, 2};
                 world.nodes[0].open(1, false);
-                if (devices_speak)
+                if (devices_send)
                     for (int n = 0; n < 50; ++n) world.send(0, device, telemetry(n), TimePoint{1h} + n * 200ms);
                 else world.send(0, 2, order(1), TimePoint{1h});
                 const Duration lag = random.below(1'000'000 / frequency) * 1us;

@@ -59,7 +59,7 @@ TEST_P(AnyV7Input, gives_the_frames_of_the_reference_and_its_counters) {
             Bytes bytes = random_piece(random, GetParam());
             while (!random.one_in(3)) append(bytes, random_piece(random, GetParam()));
             if (datagrams) {
-                both.put_datagram(bytes);
+                both.feed_datagram(bytes);
             } else {
                 for (std::span<const std::uint8_t> rest{bytes}; !rest.empty();) {
                     const std::size_t n = std::min(rest.size(), 1 + random.below(random.of<std::size_t>({1, 7, 70, 5000})));

@@ -45,19 +45,19 @@ Bytes random_frame(Random& random, std::uint8_t from, std::uint8_t to) {
     return support::frame(from, to, id, data);
 }
 
-struct Deed {
+struct TimedFrame {
     ano::TimePoint at;
     Bytes frame;    // empty: none
 };
 
-std::vector<Deed> random_deeds(Random& random, std::uint8_t to) {
-    std::vector<Deed> deeds;
+std::vector<TimedFrame> random_timed_frames(Random& random, std::uint8_t to) {
+    std::vector<TimedFrame> timed_frames;
     ano::TimePoint at = start;
     for (int i = 0; i < 60; ++i) {
         at += random.of<ano::Duration>({0ms, 1ms, 13ms, 100ms, 900ms});
-        deeds.push_back({at, random_frame(random, 0xFE, to)});
+        timed_frames.push_back({at, random_frame(random, 0xFE, to)});
     }
-    return deeds;
+    return timed_frames;
 }
 
 Faults any_faults(Random& random) {
@@ -74,34 +74,34 @@ Faults any_faults(Random& random) {
     return faults;
 }
 
-// All bytes sent by a new device that receives random_deeds(), with the time of each frame; run in steps chosen by `steps`.
-Bytes all_said(std::uint64_t seed, std::uint64_t steps) {
+// All bytes sent by a new device that receives random_timed_frames(), with the time of each frame; run in steps chosen by `steps`.
+Bytes all_sent(std::uint64_t seed, std::uint64_t steps) {
     Random random{seed};
     auto device = any_device(random);
-    const auto deeds = random_deeds(random, device->device().info().id);
+    const auto timed_frames = random_timed_frames(random, device->device().info().id);
     FaultyLine line{std::move(device), any_faults(random), seed, start};
     Bytes said;
-    const FaultyLine::Send hear = [&](ano::Bytes bytes, ano::TimePoint at) {
+    const FaultyLine::Send receive = [&](ano::Bytes bytes, ano::TimePoint at) {
         said.insert(said.end(), bytes.begin(), bytes.end());
         for (auto us = (at - start) / 1us; us != 0; us /= 256) said.push_back(static_cast<std::uint8_t>(us % 256));
     };
     Random step{steps};
     ano::TimePoint now = start;
-    for (const Deed& deed : deeds) {
-        while (now < deed.at) {
-            now = std::min(deed.at, now + step.of<ano::Duration>({1ms, 3ms, 20ms, 333ms, 2s}));
-            line.run(now, hear);
+    for (const TimedFrame& timed : timed_frames) {
+        while (now < timed.at) {
+            now = std::min(timed.at, now + step.of<ano::Duration>({1ms, 3ms, 20ms, 333ms, 2s}));
+            line.run(now, receive);
         }
-        line.take(ano::FrameView{deed.frame}, deed.at, hear);
+        line.take(ano::FrameView{timed.frame}, timed.at, receive);
     }
     return said;
 }
 
 TEST(World, sends_the_same_bytes_for_a_seed_whatever_the_time_steps) {
     for (std::uint64_t seed = 0; seed < 25; ++seed) {
-        const Bytes said = all_said(seed, 1);
+        const Bytes said = all_sent(seed, 1);
         ASSERT_GT(said.size(), 300u);
-        ASSERT_EQ(said, all_said(seed, 2)) << "seed " << seed;
+        ASSERT_EQ(said, all_sent(seed, 2)) << "seed " << seed;
     }
 }
 
@@ -124,7 +124,7 @@ TEST(World, sends_complete_frames_from_its_id_at_increasing_times) {
         const std::uint8_t id = device->device().info().id;
         ano::TimePoint last = start;
         std::size_t said = 0;
-        const SimulatedDevice::Send hear = [&](ano::FrameView frame, ano::TimePoint at) {
+        const SimulatedDevice::Send receive = [&](ano::FrameView frame, ano::TimePoint at) {
             ++said;
             ASSERT_TRUE(ano::frame_at(frame.bytes())) << "seed " << seed;
             ASSERT_EQ(frame.source(), id);
@@ -132,11 +132,11 @@ TEST(World, sends_complete_frames_from_its_id_at_increasing_times) {
             ASSERT_GE(at, last);
             last = at;
         };
-        for (const Deed& deed : random_deeds(random, id)) {
-            device->take(ano::FrameView{deed.frame}, deed.at, hear);
-            ASSERT_LE(last, deed.at);
-            device->run(deed.at, hear);
-            ASSERT_GT(device->due(), deed.at);
+        for (const TimedFrame& timed : random_timed_frames(random, id)) {
+            device->take(ano::FrameView{timed.frame}, timed.at, receive);
+            ASSERT_LE(last, timed.at);
+            device->run(timed.at, receive);
+            ASSERT_GT(device->due(), timed.at);
         }
         ASSERT_GT(said, 10u);
     }
@@ -147,10 +147,10 @@ TEST(World, answers_every_frame_at_most_once) {
     for (std::uint64_t seed = 0; seed < 20; ++seed) {
         Random random{seed};
         const auto device = any_device(random);
-        for (const Deed& deed : random_deeds(random, device->device().info().id)) {
-            device->run(deed.at, [](ano::FrameView, ano::TimePoint) {});
+        for (const TimedFrame& timed : random_timed_frames(random, device->device().info().id)) {
+            device->run(timed.at, [](ano::FrameView, ano::TimePoint) {});
             int answers = 0;
-            device->take(ano::FrameView{deed.frame}, deed.at,
+            device->take(ano::FrameView{timed.frame}, timed.at,
                          [&](ano::FrameView f, ano::TimePoint) { answers += f.id() != 0xA0 && f.id() != 0xA1; });
             ASSERT_LE(answers, 1) << "seed " << seed;
         }
@@ -174,11 +174,11 @@ TEST(World, causes_no_storm_with_a_second_one) {
                 ASSERT_LE(heard, 4u) << "seed " << seed;
                 const Bytes frame = line.front();
                 line.pop_front();
-                const auto hear = [&](ano::FrameView f, ano::TimePoint) {
+                const auto receive = [&](ano::FrameView f, ano::TimePoint) {
                     line.emplace_back(f.bytes().begin(), f.bytes().end());
                 };
-                a->take(ano::FrameView{frame}, now, hear);
-                b->take(ano::FrameView{frame}, now, hear);
+                a->take(ano::FrameView{frame}, now, receive);
+                b->take(ano::FrameView{frame}, now, receive);
             }
         }
     }

@@ -66,7 +66,7 @@ protected:
     }
 
     /// Waits until the gateway has received from the device whether it flies, after the commands sent so far.
-    void hear_whether_it_flies() { ASSERT_EQ(anoctl({"monitor", "--id", "mode", "--count", "1"}).exit, 0); }
+    void receive_mode() { ASSERT_EQ(anoctl({"monitor", "--id", "mode", "--count", "1"}).exit, 0); }
 
     TempDir dir;
     std::string socket = dir / "control.sock";

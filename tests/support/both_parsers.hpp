@@ -25,7 +25,7 @@ public:
     const ano::FrameParser& parser() const { return parser_; }
 
     void put(std::span<const std::uint8_t> bytes) { feed(bytes); }
-    void put_datagram(std::span<const std::uint8_t> datagram) {
+    void feed_datagram(std::span<const std::uint8_t> datagram) {
         reference_.begin_datagram({datagram.begin(), datagram.end()}, now);
         parser_.begin_datagram(datagram, now);
         feed(datagram);
@@ -34,10 +34,10 @@ public:
         reference_.expire(now);
         // Each call that returns true gives up at least one byte.
         for (std::size_t i = parser_.waiting(); parser_.expire(now); --i) {
-            if (i == 0) return tell("expire() has no end");
+            if (i == 0) return report("expire() has no end");
             drain();
         }
-        if (const auto due = parser_.deadline(); due && *due <= now) tell("deadline() is past and expire() had nothing to do");
+        if (const auto due = parser_.deadline(); due && *due <= now) report("deadline() is past and expire() had nothing to do");
         compare();
     }
     void finish() {
@@ -45,7 +45,7 @@ public:
         parser_.finish();
         drain();
         compare();
-        if (parser_.waiting() != 0 || parser_.deadline()) tell("something waits behind the end");
+        if (parser_.waiting() != 0 || parser_.deadline()) report("something waits behind the end");
     }
 
 private:
@@ -53,7 +53,7 @@ private:
         drain();
         while (!bytes.empty()) {
             const auto room = parser_.prepare();
-            if (room.empty()) return tell("no room");
+            if (room.empty()) return report("no room");
             const std::size_t n = std::min(room.size(), bytes.size());
             std::copy_n(bytes.data(), n, room.data());
             parser_.commit(n, now);
@@ -71,7 +71,7 @@ private:
             if (found_ >= reference_.frames.size() ||
                 !std::equal(frame->bytes().begin(), frame->bytes().end(), reference_.frames[found_].begin(),
                             reference_.frames[found_].end()))
-                tell("another frame than the reference has");
+                report("another frame than the reference has");
             ++found_;
             conserve();
         }
@@ -80,7 +80,7 @@ private:
 
     void conserve() {
         const auto& c = parser_.counters();
-        if (c.bytes_in != good_bytes_ + c.skipped_bytes + parser_.waiting()) tell("bytes_in is not good + skipped + waiting");
+        if (c.bytes_in != good_bytes_ + c.skipped_bytes + parser_.waiting()) report("bytes_in is not good + skipped + waiting");
     }
 
     void compare() {
@@ -92,13 +92,13 @@ private:
         check("waiting", parser_.waiting(), reference_.waiting());
         check("bad_check + bad_length + expired", c.bad_check + c.bad_length + c.expired, reference_.refused);
         if (parser_.deadline().has_value() != (reference_.waiting() > 0))
-            tell("deadline() exists exactly while a candidate waits");
+            report("deadline() exists exactly while a candidate waits");
     }
     void check(const char* what, std::uint64_t got, std::uint64_t expected) {
         if (got != expected)
-            tell(std::string{what} + ": " + std::to_string(got) + ", by the reference " + std::to_string(expected));
+            report(std::string{what} + ": " + std::to_string(got) + ", by the reference " + std::to_string(expected));
     }
-    void tell(std::string what) {
+    void report(std::string what) {
         if (difference.empty()) difference = std::move(what);
     }
 

@@ -93,20 +93,21 @@ public:
     }
     void announce(std::uint16_t version = 100) {
         const std::string name = "fake";
-        hear(frame(0xDC, 0xFF, 0xE3,
-                   Bytes{0xDC, 100, 0, static_cast<std::uint8_t>(version), 0, 0, 0, 0x20, 3} + Bytes(name.begin(), name.end())));
+        receive(
+            frame(0xDC, 0xFF, 0xE3,
+                  Bytes{0xDC, 100, 0, static_cast<std::uint8_t>(version), 0, 0, 0, 0x20, 3} + Bytes(name.begin(), name.end())));
     }
     /// Runs until the task ends or `limit` is over.
     void run(Duration limit = 10min) {
         if (!begun_) task.start(now);
         begun_ = true;
-        for (const TimePoint end = now + limit; !task.end() && now < end;) take_step();
+        for (const TimePoint end = now + limit; !task.end() && now < end;) run_step();
     }
     /// Runs until the task is in step `where` with at least `faces` measured faces; false: it ended or `limit` was over first.
     bool run_to(Calibration::Step where, std::size_t faces = 0, Duration limit = 2min) {
         if (!begun_) task.start(now);
         begun_ = true;
-        for (const TimePoint end = now + limit; !task.end() && now < end; take_step())
+        for (const TimePoint end = now + limit; !task.end() && now < end; run_step())
             if (task.step() == where && task.faces().faces_done() >= faces) return true;
         return false;
     }
@@ -168,7 +169,7 @@ private:
             v[i] = sensor.offset[i] + v[i] / length * ano::host::SixFaces::gravity * sensor.factor[i];
         return v;
     }
-    void take_step() {
+    void run_step() {
         now += step;
         ++steps_;
         if (task.step() == Calibration::Step::keep) task.kept(now);
@@ -176,10 +177,10 @@ private:
         const bool is_silent = is_dead || (silent_until_ && now < *silent_until_);
         for (int n = 0; n < 2; ++n)
             if (const auto asked = device.next_frame(now); asked && !is_silent)
-                for (const Bytes& answer : fake.take(*asked)) hear(answer);
+                for (const Bytes& answer : fake.take(*asked)) receive(answer);
         turn();
         if (!is_silent) send_sample();
-        hear_samples();
+        receive_samples();
         if (each_step) each_step();
         task.look(now);
     }
@@ -226,13 +227,13 @@ private:
         const std::size_t size = m.encode(bytes, 0xDC, 0xFF);
         on_the_way_.push_back({now + late, {bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size)}});
     }
-    void hear_samples() {
+    void receive_samples() {
         for (; !on_the_way_.empty() && on_the_way_.front().first <= now; on_the_way_.pop_front())
-            hear(on_the_way_.front().second);
+            receive(on_the_way_.front().second);
     }
-    void hear(const Bytes& bytes) {
+    void receive(const Bytes& bytes) {
         device.take(ano::FrameView{bytes}, now);
-        task.hear(ano::FrameView{bytes}, now);
+        task.receive(ano::FrameView{bytes}, now);
     }
 
     Values used_{};

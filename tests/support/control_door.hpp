@@ -52,9 +52,9 @@ public:
 };
 
 /// A client of a WebSocket that stores the received messages.
-class Ear {
+class MessageClient {
 public:
-    Ear(ControlDoor& door, std::string target, std::vector<anogate::http::Field> headers = {})
+    MessageClient(ControlDoor& door, std::string target, std::vector<anogate::http::Field> headers = {})
         : client_{door.loop.io, door.path} {
         anogate::http::Request request;
         request.method = "GET";
@@ -64,8 +64,8 @@ public:
                      [this](anogate::http::Outcome came) { ended = std::move(came); });
     }
     bool is_open() const { return state_.socket != nullptr; }
-    void say(const Bytes& bytes) { say({bytes.begin(), bytes.end()}, anogate::http::WebSocket::Kind::binary); }
-    void say(std::string words, anogate::http::WebSocket::Kind kind) {
+    void send(const Bytes& bytes) { send({bytes.begin(), bytes.end()}, anogate::http::WebSocket::Kind::binary); }
+    void send(std::string words, anogate::http::WebSocket::Kind kind) {
         ASSERT_NE(state_.socket, nullptr);
         EXPECT_TRUE(state_.socket->send(std::make_shared<const std::string>(std::move(words)), kind));
     }

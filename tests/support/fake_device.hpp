@@ -46,7 +46,7 @@ public:
     std::string name = "fake";
     std::uint16_t version = 100, hardware = 100;
     std::vector<Parameter> parameters;
-    std::optional<std::uint16_t> says_count;    // the count that it reports; std::nullopt: the true one
+    std::optional<std::uint16_t> reported_count;    // the count that it reports; std::nullopt: the true one
     std::vector<Command> commands;
     std::vector<Bytes> waypoints;
     bool old = false;       // describes parameters by min and max; every value is an i32
@@ -114,7 +114,8 @@ private:
         const std::uint16_t val = number(frame, 1);
         switch (frame.data()[0]) {
         case 0: return {to_host(frame, 0xE3, Bytes{address} + u16(hardware) + u16(version) + u16(0) + u16(800) + text(name))};
-        case 1: return {to_host(frame, 0xE0, Bytes{1} + u16(says_count.value_or(static_cast<std::uint16_t>(parameters.size()))))};
+        case 1:
+            return {to_host(frame, 0xE0, Bytes{1} + u16(reported_count.value_or(static_cast<std::uint16_t>(parameters.size()))))};
         case 0x10: return {check(frame)};
         default: break;
         }

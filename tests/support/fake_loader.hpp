@@ -24,7 +24,7 @@ public:
     bool reads_codes = false;    // codes are high byte first in both directions; it ignores others
     SecondInfo second_info = SecondInfo::accepts;
     bool fails_when_lost = true;                    // false: it does not answer frames that it does not expect
-    std::optional<std::uint16_t> says_instead{};    // sent instead of every code
+    std::optional<std::uint16_t> sent_instead{};    // sent instead of every code
 
     std::size_t infos = 0, erases = 0, checks = 0, frames = 0;
     Bytes info, flash;
@@ -40,7 +40,7 @@ public:
         if (frame.id() != 0xF0) return std::nullopt;
         const auto data = frame.data();
         const auto said = [&](std::uint16_t code) {
-            return std::vector<Bytes>{device.to_host(frame, 0xF0, Bytes{0} + code_bytes(says_instead.value_or(code)))};
+            return std::vector<Bytes>{device.to_host(frame, 0xF0, Bytes{0} + code_bytes(sent_instead.value_or(code)))};
         };
         if (data[0] == 0x01) {
             ++infos;

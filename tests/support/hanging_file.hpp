@@ -40,7 +40,7 @@ public:
     HangingFile& operator=(const HangingFile&) = delete;
 
     /// At most 4096 bytes, which the pipe accepts at once.
-    bool give(std::string_view bytes) const {
+    bool write_part(std::string_view bytes) const {
         return ::write(to_.get(), bytes.data(), bytes.size()) == static_cast<ssize_t>(bytes.size());
     }
     /// Number of calls that wait for bytes.

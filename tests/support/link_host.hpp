@@ -48,7 +48,7 @@ public:
         why = std::move(reason.text);
         for (const auto& channel : channels_) channel->outbox.close();
     }
-    std::optional<anogate::StoredLink> take_stored(const anogate::Link&) override { return std::exchange(stored, std::nullopt); }
+    std::optional<anogate::StoredLink> claim_stored(const anogate::Link&) override { return std::exchange(stored, std::nullopt); }
     anogate::TimePoint now() override { return turn().now(); }
     const anogate::LoopWatch& turn() override {
         loop_.turn(clocks());

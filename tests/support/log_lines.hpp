@@ -25,7 +25,7 @@ public:
     LogLines& operator=(const LogLines&) = delete;
 
     /// The lines since the last call.
-    std::vector<std::string> take() {
+    std::vector<std::string> pop_all() {
         std::istringstream said{std::exchange(text_, std::ostringstream{}).str()};
         std::vector<std::string> lines;
         for (std::string line; std::getline(said, line);) lines.push_back(line);

@@ -66,7 +66,7 @@ inline Bytes telemetry(std::size_t number) {
     return frame(kind.source, 0xFE, kind.id, data);
 }
 
-inline void put_noise(Bytes& stream, const NoisyLine& line, Random& random, std::size_t number) {
+inline void append_noise(Bytes& stream, const NoisyLine& line, Random& random, std::size_t number) {
     if (line.noise == Noise::flipped_len) {
         Bytes bad = telemetry(number);
         const unsigned bit = random.below(16u);
@@ -85,7 +85,7 @@ inline Stream stream_of(const NoisyLine& line) {
     Random random{line.seed};
     Stream stream;
     for (std::size_t i = 0; i < line.frames; ++i) {
-        if (i > 100 && random.one_in(line.noise_one_in)) put_noise(stream.bytes, line, random, line.frames + i);
+        if (i > 100 && random.one_in(line.noise_one_in)) append_noise(stream.bytes, line, random, line.frames + i);
         const Bytes bytes = telemetry(i);
         stream.bytes.insert(stream.bytes.end(), bytes.begin(), bytes.end());
         stream.good.push_back({bytes, stream.bytes.size()});

@@ -70,8 +70,8 @@ const std::string& Process::output() {
     return output_;
 }
 std::string Process::new_output() {
-    const std::size_t before = told_;
-    told_ = output().size();
+    const std::size_t before = returned_;
+    returned_ = output().size();
     return output_.substr(before);
 }
 bool Process::until_says(const std::string& words, std::chrono::steady_clock::duration limit) {

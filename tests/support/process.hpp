@@ -48,7 +48,7 @@ private:
     int output_fd_ = -1;
     mutable int last_signal_ = 0;
     std::string output_;
-    std::size_t told_ = 0;    // bytes of output_ that new_output() has returned
+    std::size_t returned_ = 0;    // bytes of output_ that new_output() has returned
     std::optional<int> status_;
 };
 

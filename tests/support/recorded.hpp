@@ -72,7 +72,7 @@ inline ReadRecording read_recording(std::string_view file, std::size_t step = 40
     const auto reader = anogate::make_recording_reader(file);
     ReadRecording read;
     for (std::size_t at = 0; at < file.size(); at += step) {
-        reader->give(file.substr(at, step));
+        reader->feed(file.substr(at, step));
         while (const auto item = reader->next()) read.items.push_back(kept(*item));
     }
     read.head = reader->head();

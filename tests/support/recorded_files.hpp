@@ -39,7 +39,7 @@ inline RecordedFiles recorded_files(const std::string& folder, const std::string
     for (unsigned n = 1;; ++n) {
         const auto path = std::filesystem::path{folder} / anogate::recording_file_name(name, n, anogate::RecordingFormat::pcapng);
         if (!std::filesystem::exists(path)) return all;
-        all.files.push_back(read_pcapng(text_of(path)));
+        all.files.push_back(read_pcapng(file_text(path)));
         for (const KeptItem& item : all.files.back().items) {
             if (item.frame.empty()) {
                 all.lost += item.lost;

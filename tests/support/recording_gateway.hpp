@@ -76,7 +76,7 @@ protected:
         return wait_until([&] { return holds(get()); });
     }
     /// The content of a file in the folder of recordings.
-    std::string content(const std::string& name) const { return text_of(folder + "/" + name); }
+    std::string content(const std::string& name) const { return file_text(folder + "/" + name); }
     std::vector<std::string> names() const {
         std::vector<std::string> all;
         std::error_code none;

@@ -39,18 +39,18 @@ public:
         if (old || what_begins(datagram, 0) == good) finish();
     }
 
-    void finish() { give_up_before(bytes_.size()); }
+    void finish() { discard_before(bytes_.size()); }
 
     void expire(ano::TimePoint now) {
         while (waiting() > 0) {
             const bool quiet = now - last_arrival_ >= (pauses() ? options_.frame_gap : options_.quiet);
             if (const std::size_t behind = quiet ? good_frame_behind() : 0) {
-                give_up_before(behind);
+                discard_before(behind);
             } else if (now >= overdue_at(at_, since_)) {
                 // The arrival time of this candidate is unknown: at the latest that of the last byte.
                 std::size_t next = at_ + 1;
                 while (quiet && next < bytes_.size() && (bytes_[next] != 0xAB || now >= overdue_at(next, last_arrival_))) ++next;
-                give_up_before(next);
+                discard_before(next);
             } else {
                 return;
             }
@@ -145,8 +145,8 @@ private:
     }
 
     // Candidates that begin before `place` stop waiting.
-    void give_up_before(std::size_t place) {
-        given_up_ = place;
+    void discard_before(std::size_t place) {
+        discarded_ = place;
         look();
     }
 
@@ -173,7 +173,7 @@ private:
             }
             case refusable: drop(); break;
             case incomplete:
-                if (at_ < given_up_) {
+                if (at_ < discarded_) {
                     drop();
                     break;
                 }
@@ -202,9 +202,9 @@ private:
     }
 
     ano::FrameParser::Options options_;
-    Bytes bytes_;                 // all received bytes
-    std::size_t at_ = 0;          // the bytes before are skipped or part of a valid frame
-    std::size_t given_up_ = 0;    // candidates that begin before this do not wait for their rest
+    Bytes bytes_;                  // all received bytes
+    std::size_t at_ = 0;           // the bytes before are skipped or part of a valid frame
+    std::size_t discarded_ = 0;    // candidates that begin before this do not wait for their rest
     bool waits_ = false;
     ano::TimePoint since_{};
     ano::TimePoint last_arrival_{};

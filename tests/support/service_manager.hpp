@@ -33,7 +33,7 @@ public:
     /// Starts the service with the stored descriptors; `environment` is added to its environment.
     std::unique_ptr<Daemon> start(const std::string& program, const std::string& control, std::vector<std::string> arguments,
                                   std::vector<std::string> environment = {}) {
-        hear();
+        receive();
         std::string names;
         for (const auto& [name, fd] : stored_) names += (names.empty() ? "" : ":") + name;
         environment.insert(environment.end(), {"NOTIFY_SOCKET=" + path_, "LISTEN_FDS=" + std::to_string(stored_.size()),
@@ -44,15 +44,15 @@ public:
     int stop(Daemon& service) {
         service.signal(SIGTERM);
         const bool ended = wait_until([&] {
-            hear();
+            receive();
             return !service.is_running();
         });
-        hear();
+        receive();
         return ended ? service.wait() : -1;
     }
     /// The stored descriptors by name.
     std::multimap<std::string, anogate::UniqueFd>& stored() {
-        hear();
+        receive();
         return stored_;
     }
     void forget() { stored_.clear(); }
@@ -69,7 +69,7 @@ private:
         ::setenv("LISTEN_PID", std::to_string(::getpid()).c_str(), 1);
     }
 
-    void hear() {
+    void receive() {
         std::array<char, 4096> text{};
         alignas(cmsghdr) std::array<char, CMSG_SPACE(253 * sizeof(int))> control{};
         for (;;) {

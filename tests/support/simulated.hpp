@@ -22,7 +22,7 @@ struct Simulated {
     void run_for(ano::Duration time) {
         for (const ano::TimePoint end = now + time; now < end;) {
             now = std::min(end, device.due());
-            device.run(now, hear);
+            device.run(now, receive);
         }
     }
     /// Runs until `holds` returns true, checked every 100 ms; false: it did not within `limit`.
@@ -33,7 +33,7 @@ struct Simulated {
     std::vector<Bytes> answers(std::uint8_t id, const Bytes& data, std::uint8_t from = 0xFE) {
         said.clear();
         const Bytes question = frame(from, device.device().info().id, id, data);
-        device.take(ano::FrameView{question}, now, hear);
+        device.take(ano::FrameView{question}, now, receive);
         return said;
     }
     /// Sends it this frame. Returns whether it acknowledged it.
@@ -85,7 +85,7 @@ struct Simulated {
     ano::TimePoint now = start;
     std::vector<Bytes> said;
     Bytes last;
-    const ano::world::SimulatedDevice::Send hear = [this](ano::FrameView f, ano::TimePoint) {
+    const ano::world::SimulatedDevice::Send receive = [this](ano::FrameView f, ano::TimePoint) {
         said.emplace_back(f.bytes().begin(), f.bytes().end());
     };
     Device device;

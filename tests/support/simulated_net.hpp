@@ -29,7 +29,7 @@ public:
     LineFaults line{.delay = std::chrono::milliseconds{10}};
     TimePoint time = TimePoint{} + 1h;
     std::map<std::uint8_t, std::string> refuses;    // ids of frames that are never sent, and the reason
-    std::map<std::uint8_t, ano::host::Whereabouts> where;
+    std::map<std::uint8_t, ano::host::RouteInfo> where;
     std::set<std::pair<std::uint8_t, std::uint8_t>> same;    // a port, and the device at it
     std::set<std::pair<std::uint8_t, std::uint8_t>> ways;    // a port, and a device whose frames arrive on its link
     bool learns = false;                                     // the source of each received frame becomes known
@@ -48,7 +48,7 @@ public:
     anogate::http::Access access = anogate::http::Access::control;    // the access of requests
     std::string peer;                                                 // the address from which requests are sent
     bool is_foreign = false;                                          // requests are of a page of another site
-    anogate::DeviceManners link_manners;
+    anogate::DeviceLimits link_limits;
 
     FakeDevice& add(std::uint8_t address = 0xDC) {
         fakes.push_back(std::make_unique<FakeDevice>());
@@ -70,7 +70,7 @@ public:
         return {};
     }
     bool is_waiting(std::uint8_t) override { return time < queued_until; }
-    std::string takes_nothing(std::uint8_t) override { return stopped; }
+    std::string accepts_nothing(std::uint8_t) override { return stopped; }
     void listen(bool wants) override { listens = wants; }
     void wake(TimePoint at) override { wake_ = std::min(wake_.value_or(at), at); }
     std::vector<anogate::HeardAddress> heard(TimePoint) override {
@@ -78,13 +78,13 @@ public:
         for (const auto& fake : fakes) all.push_back({fake->address, "fc", "/dev/fake", time - 200ms});
         return all;
     }
-    ano::host::Whereabouts whereabouts(std::uint8_t address, TimePoint) override { return where[address]; }
+    ano::host::RouteInfo route_info(std::uint8_t address, TimePoint) override { return where[address]; }
     std::vector<std::string> links_in_conflict(std::uint8_t, TimePoint) override { return {"fc", "radio"}; }
     bool is_same_device(std::uint8_t one, std::uint8_t other) override {
         return same.contains({one, other}) || same.contains({other, one});
     }
     bool may_answer_for(std::uint8_t source, std::uint8_t port) override { return ways.contains({port, source}); }
-    anogate::DeviceManners manners(std::uint8_t) override { return link_manners; }
+    anogate::DeviceLimits device_limits(std::uint8_t) override { return link_limits; }
     anogate::UnitPlace unit_place(std::uint8_t, TimePoint) override { return unit; }
     std::string cached(const std::string& name) override { return cache_folder[name]; }
     void cache(const std::string& name, const std::string& text) override { cache_folder[name] = text; }
@@ -99,7 +99,7 @@ public:
 
     /// Simulates that any frame passes the gateway.
     void passes(const Bytes& bytes) {
-        if (listens) service.hear(ano::FrameView{bytes}, time);
+        if (listens) service.receive(ano::FrameView{bytes}, time);
     }
 
     /// Runs until `holds` returns true; false: no event is left within `limit`.
@@ -139,7 +139,7 @@ public:
         auto answer = std::make_shared<std::optional<Answer>>();
         const auto told = [this, answer](anogate::http::Response response) {
             needed_.erase(answer.get());
-            *answer = Answer{response.status, nlohmann::ordered_json::parse(response.take_text(), nullptr, false)};
+            *answer = Answer{response.status, nlohmann::ordered_json::parse(response.pop_text(), nullptr, false)};
         };
         anogate::http::Response response = routes.answer(own_request(method, target, body));
         if (!response.later) told(std::move(response));

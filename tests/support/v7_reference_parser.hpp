@@ -117,7 +117,7 @@ public:
         }
         compare();
     }
-    void put_datagram(std::span<const std::uint8_t> datagram) {
+    void feed_datagram(std::span<const std::uint8_t> datagram) {
         reference_.begin_datagram(datagram, now);
         parser_.begin_datagram(datagram, now);
         put(datagram);

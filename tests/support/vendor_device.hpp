@@ -56,13 +56,13 @@ private:
                 parser_.feed(Bytes{0xAB, 0xFE, 0xDC, 0xE0, 190, 0, 1, 0, 0, 0x6E, 0x60}, [](ano::FrameView) {});
                 disturbed_ = false;
             }
-            hear(port_.read());
+            receive(port_.read());
             if (ano::Clock::now() < next) continue;
             next = ano::Clock::now() + std::chrono::milliseconds{100};
             port_.write(frame(fake.address, 0xFF, 0x03, Bytes(7)));
         }
     }
-    void hear(const Bytes& bytes) {
+    void receive(const Bytes& bytes) {
         for (const std::uint8_t byte : bytes) {
             in_a_row_ = byte == 0 ? in_a_row_ + 1 : 0;
             zeros_ = std::max<std::size_t>(zeros_, in_a_row_);

@@ -93,16 +93,16 @@ TEST_F(ControlSocket, the_error_for_an_unknown_path_suggests_the_nearest) {
 TEST_F(ControlSocket, invalid_data_is_answered_with_an_error_and_does_not_disturb_forwarding) {
     a.send(daemon.port("ground"), vendor::who_are_you);
     b.send(daemon.port("ground"), vendor::who_are_you);
-    const auto is_told = [&](const std::string& junk, const std::string& status) {
+    const auto has_error = [&](const std::string& junk, const std::string& status) {
         const std::string answer = http(socket, junk);
         EXPECT_TRUE(answer.starts_with("HTTP/1.1 " + status)) << answer;
         EXPECT_TRUE(nlohmann::json::parse(body_of(answer), nullptr, false).value("error", "") != "") << answer;
     };
-    is_told("\r\n\r\n\x01\x02 HELLO WHO IS THERE\r\n\r\n", "400 Bad Request");
-    is_told(std::string(100000, '\0'), "400 Bad Request");
-    is_told("GET /status HTTP/1.1\r\nX: " + std::string(200000, 'x') + "\r\n\r\n", "431 Request Header Fields Too Large");
-    is_told("POST /status HTTP/1.1\r\nContent-Length: 99999999999\r\n\r\nx", "413 Payload Too Large");
-    is_told("POST /status HTTP/1.1\r\nContent-Length: -1\r\n\r\nx", "400 Bad Request");
+    has_error("\r\n\r\n\x01\x02 HELLO WHO IS THERE\r\n\r\n", "400 Bad Request");
+    has_error(std::string(100000, '\0'), "400 Bad Request");
+    has_error("GET /status HTTP/1.1\r\nX: " + std::string(200000, 'x') + "\r\n\r\n", "431 Request Header Fields Too Large");
+    has_error("POST /status HTTP/1.1\r\nContent-Length: 99999999999\r\n\r\nx", "413 Payload Too Large");
+    has_error("POST /status HTTP/1.1\r\nContent-Length: -1\r\n\r\nx", "400 Bad Request");
     EXPECT_TRUE(forwards());
     EXPECT_TRUE(nlohmann::json::accept(body_of(http(socket, get_status))));
 }

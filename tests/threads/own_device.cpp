@@ -35,14 +35,14 @@ constexpr std::uint8_t host = 0xFE, self = 21;
 struct Host {
     explicit Host(std::uint16_t gateway) : port{gateway} {}
 
-    void say(const Bytes& bytes) { ASSERT_TRUE(peer.send(port, bytes)); }
-    bool hears(const Bytes& bytes) {
+    void send(const Bytes& bytes) { ASSERT_TRUE(peer.send(port, bytes)); }
+    bool receives(const Bytes& bytes) {
         return wait_until([&] {
             read();
             return std::find(heard.begin(), heard.end(), bytes) != heard.end();
         });
     }
-    bool hears_text(std::uint8_t id, const std::string& words) {
+    bool receives_text(std::uint8_t id, const std::string& words) {
         return wait_until([&] {
             read();
             return std::any_of(heard.begin(), heard.end(), [&](const Bytes& f) {
@@ -57,7 +57,7 @@ struct Host {
     /// Everything sent before was received: the gateway handles frames in order.
     void settle() {
         const std::size_t before = count(0xE3);
-        say(frame(host, self, 0xE0, {0, 0, 0}));
+        send(frame(host, self, 0xE0, {0, 0, 0}));
         ASSERT_TRUE(wait_until([&] { return count(0xE3) > before; }));
     }
     void read() {
@@ -115,12 +115,12 @@ protected:
 
 TEST_F(OwnDevice, answers_a_host_that_uses_only_the_published_protocol) {
     Host guest = by("guest");
-    guest.say(hex("AB FE FF E0 03 00 00 00 00 8B 3B"));
-    EXPECT_TRUE(guest.hears(hex("AB 15 FE E3 10 00 15 64 00 64 00 00 00 20 03 76 65 68 69 63 6C 65 91 5E")));
-    guest.say(frame(host, self, 0xE0, {1, 0, 0}));
-    EXPECT_TRUE(guest.hears(frame(self, host, 0xE0, {1, 7, 0})));
-    guest.say(frame(host, self, 0xC1, {0, 0, 0}));
-    EXPECT_TRUE(guest.hears(frame(self, host, 0xC1, {0, 6, 0})));
+    guest.send(hex("AB FE FF E0 03 00 00 00 00 8B 3B"));
+    EXPECT_TRUE(guest.receives(hex("AB 15 FE E3 10 00 15 64 00 64 00 00 00 20 03 76 65 68 69 63 6C 65 91 5E")));
+    guest.send(frame(host, self, 0xE0, {1, 0, 0}));
+    EXPECT_TRUE(guest.receives(frame(self, host, 0xE0, {1, 7, 0})));
+    guest.send(frame(host, self, 0xC1, {0, 0, 0}));
+    EXPECT_TRUE(guest.receives(frame(self, host, 0xC1, {0, 6, 0})));
     const json status = daemon->status();
     for (const json& route : status.at("routes"))
         EXPECT_TRUE(route.at("address") != "0x15" || route.at("via") == "own") << "its own word teaches nothing";
@@ -129,17 +129,17 @@ TEST_F(OwnDevice, answers_a_host_that_uses_only_the_published_protocol) {
 TEST_F(OwnDevice, is_changed_only_through_links_with_manage) {
     Host guest = by("guest"), ground = by("ground");
     const Bytes write = act(0xE1, {1, 0, 0x88, 0x13, 0, 0}), reload = act(0xC0, {1, 0, 1}), restore = act(0xE0, {0x10, 0xAA, 0});
-    for (const Bytes& one : {write, reload, restore}) guest.say(one);
-    EXPECT_TRUE(guest.hears_text(0xA0, "received on guest, which has no manage=yes"));
+    for (const Bytes& one : {write, reload, restore}) guest.send(one);
+    EXPECT_TRUE(guest.receives_text(0xA0, "received on guest, which has no manage=yes"));
     guest.settle();
     EXPECT_EQ(guest.count(0x00), 0u);
     EXPECT_EQ(device().at("not_managed"), 3);
     EXPECT_EQ(parameter("FORGET_AFTER").at("value"), 30'000);
     for (const Bytes& one : {write, reload}) {
-        ground.say(one);
-        EXPECT_TRUE(ground.hears(acknowledges(one)));
+        ground.send(one);
+        EXPECT_TRUE(ground.receives(acknowledges(one)));
     }
-    EXPECT_TRUE(ground.hears_text(0xA0, "reload:"));
+    EXPECT_TRUE(ground.receives_text(0xA0, "reload:"));
     EXPECT_TRUE(until_parameter("FORGET_AFTER", 5000, "parameter"));
     EXPECT_TRUE(daemon->until_says("gateway.forget_after: 30s -> 5s"));
 }
@@ -147,19 +147,19 @@ TEST_F(OwnDevice, is_changed_only_through_links_with_manage) {
 TEST_F(OwnDevice, closes_other_links_but_not_the_link_of_the_request) {
     Host ground = by("ground");
     const Bytes own = act(0xE1, {3, 0, 0}), other = act(0xE1, {5, 0, 0}), open = act(0xE1, {5, 0, 1});
-    ground.say(own);
-    EXPECT_TRUE(ground.hears_text(0xA0, "it would close ground, the link of the request"));
-    ground.say(other);
-    EXPECT_TRUE(ground.hears(acknowledges(other)));
+    ground.send(own);
+    EXPECT_TRUE(ground.receives_text(0xA0, "it would close ground, the link of the request"));
+    ground.send(other);
+    EXPECT_TRUE(ground.receives(acknowledges(other)));
     EXPECT_EQ(ground.count(0x00), 1u);
     EXPECT_TRUE(daemon->until([](const json& status) {
         return status.at("links")[1].at("error_id") == "disabled" && status.at("links")[1].at("state") == "waiting";
     }));
     EXPECT_EQ(daemon->link("ground").at("state"), "up");
-    ground.say(open);
+    ground.send(open);
     EXPECT_TRUE(daemon->until_up("guest"));
     Host guest = by("guest");
-    guest.say(hex("AB FE FF E0 03 00 00 00 00 8B 3B"));
+    guest.send(hex("AB FE FF E0 03 00 00 00 00 8B 3B"));
     EXPECT_TRUE(wait_until([&] { return guest.count(0xE3) == 1; }));
 }
 
@@ -167,8 +167,8 @@ TEST_F(OwnDevice, restarts_a_link_once_for_many_simultaneous_requests_without_bl
     Host ground = by("ground");
     constexpr std::uint8_t many = 200;
     Bytes last;
-    for (std::uint8_t i = 0; i < many; ++i) ground.say(last = act(0xC0, {1, 0, 3, 1, i}));
-    EXPECT_TRUE(ground.hears(acknowledges(last)));
+    for (std::uint8_t i = 0; i < many; ++i) ground.send(last = act(0xC0, {1, 0, 3, 1, i}));
+    EXPECT_TRUE(ground.receives(acknowledges(last)));
     EXPECT_TRUE(ask("POST", "/reload?dry_run").dump().find("error") == std::string::npos);
     const std::string log = daemon->output();
     std::size_t restarts = 0;
@@ -183,8 +183,8 @@ TEST_F(OwnDevice, does_not_confirm_a_pending_configuration_by_a_reload) {
     dir.write("anogate.json", config.dump());
     ASSERT_EQ(asked(socket, "POST", "/reload?confirm_within=60s", {}).status, 200u);
     Host ground = by("ground");
-    ground.say(act(0xC0, {1, 0, 1}));
-    EXPECT_TRUE(ground.hears_text(0xA0, "RELOAD: a reloaded configuration is still waiting for confirmation"));
+    ground.send(act(0xC0, {1, 0, 1}));
+    EXPECT_TRUE(ground.receives_text(0xA0, "RELOAD: a reloaded configuration is still waiting for confirmation"));
     EXPECT_EQ(daemon->status().at("gateway").at("config").at("state"), "unconfirmed");
 }
 
@@ -197,17 +197,17 @@ TEST_F(OwnDevice, starts_if_the_file_of_saved_values_is_a_pipe) {
     EXPECT_TRUE(daemon->until_says("parameters.json: is not a file; using the values of the configuration"));
     Host ground = by("ground");
     const Bytes save = act(0xE0, {0x10, 0xAB, 0});
-    ground.say(save);
-    EXPECT_TRUE(ground.hears(acknowledges(save))) << "in its place";
+    ground.send(save);
+    EXPECT_TRUE(ground.receives(acknowledges(save))) << "in its place";
 }
 
 TEST_F(OwnDevice, keeps_saved_values_until_the_file_changes_them) {
     const Bytes write = act(0xE1, {1, 0, 0x88, 0x13, 0, 0}), save = act(0xE0, {0x10, 0xAB, 0});
     {
         Host ground = by("ground");
-        ground.say(write);
-        ground.say(save);
-        EXPECT_TRUE(ground.hears(acknowledges(save)));
+        ground.send(write);
+        ground.send(save);
+        EXPECT_TRUE(ground.receives(acknowledges(save)));
     }
     EXPECT_TRUE(std::filesystem::exists(dir / "state/parameters.json"));
     ASSERT_TRUE(start());
@@ -227,9 +227,9 @@ TEST_F(OwnDevice, keeps_saved_values_until_the_file_changes_them) {
 TEST_F(OwnDevice, removes_saved_values_that_the_file_overrides_even_if_just_saved) {
     const Bytes write = act(0xE1, {1, 0, 0x88, 0x13, 0, 0}), save = act(0xE0, {0x10, 0xAB, 0});
     Host ground = by("ground");
-    ground.say(write);
-    ground.say(save);
-    ASSERT_TRUE(ground.hears(acknowledges(save)));
+    ground.send(write);
+    ground.send(save);
+    ASSERT_TRUE(ground.receives(acknowledges(save)));
     ASSERT_NE(kept().find("forget_after"), std::string::npos);
     json config = usual();
     config["gateway"]["forget_after"] = "1m";
@@ -242,8 +242,8 @@ TEST_F(OwnDevice, loses_unsaved_values_at_a_restart) {
     {
         Host ground = by("ground");
         const Bytes write = act(0xE1, {1, 0, 0x88, 0x13, 0, 0});
-        ground.say(write);
-        EXPECT_TRUE(ground.hears(acknowledges(write)));
+        ground.send(write);
+        EXPECT_TRUE(ground.receives(acknowledges(write)));
     }
     ASSERT_TRUE(start());
     EXPECT_EQ(parameter("FORGET_AFTER").at("from"), "default");
@@ -258,19 +258,19 @@ TEST_F(OwnDevice, reports_link_changes_and_a_summary_to_hosts) {
     Host ground = by("ground");
     ground.settle();
     fc.unplug();
-    EXPECT_TRUE(ground.hears_text(0xA0,
-                                  "\x01"
-                                  "fc: "));
+    EXPECT_TRUE(ground.receives_text(0xA0,
+                                     "\x01"
+                                     "fc: "));
     fc.plug();
-    EXPECT_TRUE(ground.hears_text(0xA0,
-                                  "\x02"
-                                  "fc: up"));
+    EXPECT_TRUE(ground.receives_text(0xA0,
+                                     "\x02"
+                                     "fc: up"));
     const Bytes begin = act(0xC0, {1, 0, 4, 1}), restart = act(0xC0, {1, 0, 3, 2});
-    ground.say(begin);
-    EXPECT_TRUE(ground.hears(acknowledges(begin)));
+    ground.send(begin);
+    EXPECT_TRUE(ground.receives(acknowledges(begin)));
     EXPECT_TRUE(wait_until([&] { return ground.count(0xF1) == 3; })) << "one of each link";
-    ground.say(restart);
-    EXPECT_TRUE(ground.hears(acknowledges(restart)));
+    ground.send(restart);
+    EXPECT_TRUE(ground.receives(acknowledges(restart)));
     EXPECT_TRUE(daemon->until_says("fc changed: restarted"));
     EXPECT_TRUE(daemon->until_up("fc"));
 }
@@ -322,9 +322,9 @@ TEST_F(OwnDevice, and_another_one_do_not_exchange_frames_endlessly) {
     ASSERT_EQ(asked(there / "control", "POST", "/send", R"({"hex": "ABFE15E003000000 00"})").status, 400u) << "no check bytes";
     asked(there / "control", "POST", "/devices/scan", {});
     Host ground = by("ground");
-    ground.say(hex("AB FE FF E0 03 00 00 00 00 8B 3B"));
+    ground.send(hex("AB FE FF E0 03 00 00 00 00 8B 3B"));
     EXPECT_TRUE(wait_until([&] { return ground.count(0xE3) == 2; })) << "one of each gateway";
-    for (const Bytes& data : std::vector<Bytes>{{1, 0, 0}, {2, 1, 0}, {3, 1, 0}}) ground.say(frame(22, self, 0xE0, data));
+    for (const Bytes& data : std::vector<Bytes>{{1, 0, 0}, {2, 1, 0}, {3, 1, 0}}) ground.send(frame(22, self, 0xE0, data));
     ground.settle();
     const auto passed = [&] { return other.count("there", "frames_in") + other.count("there", "frames_out"); };
     std::uint64_t before = 0;

@@ -58,7 +58,7 @@ void close_and_open_again() {
     const TempDir dir;
     RunningGateway daemon{pty("app", dir / "app"), udp_listen("ground")};
     UdpPeer ground;
-    const auto say = [&](std::uint8_t n) {
+    const auto send = [&](std::uint8_t n) {
         const auto before = daemon.count("ground", "frames_in");
         ground.send(daemon.port("ground"), frame(0xDC, 0xFE, 0xF1, {n}));
         return daemon.until([&] { return daemon.count("ground", "frames_in") == before + 1; });
@@ -68,14 +68,14 @@ void close_and_open_again() {
         PortUser app{dir / "app"};
         ASSERT_TRUE(app.is_open());
         ASSERT_TRUE(daemon.until_up("app"));
-        ASSERT_TRUE(say(round));
+        ASSERT_TRUE(send(round));
         EXPECT_TRUE(daemon.until([&] { return !app.heard().empty(); }));
         EXPECT_EQ(app.heard(), frame(0xDC, 0xFE, 0xF1, {round})) << "round " << int{round};
-        ASSERT_TRUE(say(100)) << "this one is never read";
+        ASSERT_TRUE(send(100)) << "this one is never read";
         ASSERT_TRUE(daemon.until([&] { return daemon.count("app", "frames_out") == 2u * round + 2; }));
         app.close();
         ASSERT_TRUE(daemon.until_waiting("app"));
-        ASSERT_TRUE(say(200)) << "nobody is there";
+        ASSERT_TRUE(send(200)) << "nobody is there";
         EXPECT_EQ(daemon.count("app", "link_down"), round + 1u);
         EXPECT_EQ(daemon.link("app").at("device"), device) << "the same terminal";
     }

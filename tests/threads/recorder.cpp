@@ -191,8 +191,8 @@ TEST_F(RecorderOfGateway, its_thread_has_a_lower_priority_than_the_loop_and_bloc
     start();
     std::string found;
     for (const auto& task : fs::directory_iterator{"/proc/self/task"}) {
-        if (support::text_of(task.path() / "comm") != "recorder\n") continue;
-        found = support::text_of(task.path() / "status");
+        if (support::file_text(task.path() / "comm") != "recorder\n") continue;
+        found = support::file_text(task.path() / "status");
         EXPECT_GE(::getpriority(PRIO_PROCESS, static_cast<id_t>(std::stoi(task.path().filename().string()))), 5);
     }
     const auto at = found.find("SigBlk:");
@@ -418,7 +418,7 @@ TEST_F(RecorderOfGateway, a_folder_that_is_removed_is_made_again_for_the_next_fi
     send(30);
     recorder->end();
     ASSERT_TRUE(until_ended());
-    const auto next = support::read_pcapng(support::text_of(settings.folder + "/flight-2.pcapng"));
+    const auto next = support::read_pcapng(support::file_text(settings.folder + "/flight-2.pcapng"));
     ASSERT_FALSE(next.items.empty());
     EXPECT_EQ(support::number_of(next.items.back().frame), 59);
 }
@@ -502,7 +502,7 @@ TEST(RecorderOfProcess, that_is_killed_has_written_all_but_the_last_second) {
     EXPECT_GE(static_cast<std::ptrdiff_t>(written.numbers.size()), must);
     EXPECT_EQ(written.numbers, support::numbers_to(static_cast<int>(written.numbers.size())));
     RecordingRepair repair{RecordingFormat::pcapng};
-    repair.give(support::text_of(path));
+    repair.feed(support::file_text(path));
     const auto repaired = repair.finish();
     EXPECT_TRUE(repaired.is_recording);
     EXPECT_FALSE(repaired.is_whole);

@@ -75,13 +75,13 @@ protected:
         return recording.at("keep_last").at("error") != "";
     }
     /// The memory receives the next `count` frames.
-    void hear(std::uint64_t count) {
+    void receive(std::uint64_t count) {
         for (std::uint64_t i = 0; i < count; ++i)
             a.send(gateway.port("a"), support::frame(0xDC, 0xFF, 0x03, {1, 2, 3, 4, 5, 6, 0}));
         ASSERT_TRUE(gateway.until([&] { return gateway.count("a", "frames_in") == count; }));
     }
     static std::size_t frames_in(const std::filesystem::path& file) {
-        return support::read_pcapng(support::text_of(file)).items.size();
+        return support::read_pcapng(support::file_text(file)).items.size();
     }
 
     const support::Bytes fault = support::frame(0xDC, 0xFF, 0xA0, {1, 'b', 'a', 'd'});
@@ -138,7 +138,7 @@ TEST_F(RecordingsOfGateway, of_the_last_frames_that_are_due_at_the_end_are_saved
 }
 
 TEST_F(RecordingsOfGateway, of_the_last_frames_use_the_settings_and_frames_of_the_time_of_the_event) {
-    hear(3);
+    receive(3);
     const auto first = save_that_hangs();
     recordings.link_lost(gateway.gateway().links().front());
     Settings other = settings();
@@ -154,7 +154,7 @@ TEST_F(RecordingsOfGateway, of_the_last_frames_use_the_settings_and_frames_of_th
 }
 
 TEST_F(RecordingsOfGateway, of_the_last_frames_with_a_name_have_the_frames_of_the_time_of_the_request) {
-    hear(3);
+    receive(3);
     const auto first = save("incident");
     Settings other = settings();
     other.record->keep_last = std::nullopt;
@@ -165,7 +165,7 @@ TEST_F(RecordingsOfGateway, of_the_last_frames_with_a_name_have_the_frames_of_th
 }
 
 TEST_F(RecordingsOfGateway, of_the_last_frames_are_saved_for_a_fault_received_just_before_the_end) {
-    hear(3);
+    receive(3);
     a.send(gateway.port("a"), fault);
     ASSERT_TRUE(gateway.until([&] { return gateway.count("a", "frames_in") == 4; }));
     recordings.stop();
@@ -174,7 +174,7 @@ TEST_F(RecordingsOfGateway, of_the_last_frames_are_saved_for_a_fault_received_ju
 }
 
 TEST_F(RecordingsOfGateway, of_the_last_frames_are_saved_for_a_fault_received_just_before_a_reload) {
-    hear(3);
+    receive(3);
     Settings other = settings();
     other.record->keep_last = std::nullopt;
     a.send(gateway.port("a"), fault);

@@ -24,16 +24,16 @@ TEST_F(Can, frames_received_during_a_stall_of_the_gateway_keep_their_age) {
     for (const std::string can : {"can:vcan0", "can:vcan0,framing=isotp,tx=0x101,rx=0x102"}) {
         RunningGateway gateway{loop, {can, app.link("app") + ",age.control=2s"}};
         EXPECT_TRUE(loop.until([&] { return gateway.up("vcan0"); }));
-        const auto say = [&](std::uint8_t n) {
+        const auto send = [&](std::uint8_t n) {
             const Bytes sticks = frame(0xFE, 0xDC, 0x41, Bytes(14, n));
             if (can == "can:vcan0") return BusSocket{"vcan0"}.send(sticks);
             std::string spaced;
             for (const std::uint8_t byte : sticks) spaced += hex({&byte, 1}) + " ";
             EXPECT_EQ(run("echo " + spaced + "| isotpsend -s 102 -d 101 vcan0"), 0);
         };
-        say(1);
+        send(1);
         std::this_thread::sleep_for(2500ms);    // the loop does not run
-        say(2);
+        send(2);
         EXPECT_EQ(received(app, 1), Frames{frame(0xFE, 0xDC, 0x41, Bytes(14, 2))}) << can;
         EXPECT_EQ(gateway.count("app", "stale"), 1u) << can;
     }

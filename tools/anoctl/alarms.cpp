@@ -143,7 +143,7 @@ private:
         request.headers.push_back({"Accept", "application/x-ndjson"});
         std::optional<http::Outcome> outcome;
         http::Client client{io, gateway.socket()};
-        const auto take = [&](std::string_view line) {
+        const auto accept = [&](std::string_view line) {
             const std::vector<Json> alarms = wanted(parse_answer(std::string{line}));
             if (!json) return printer.print(alarms);
             if (std::exchange(was_empty, alarms.empty()) && alarms.empty()) return;    // repeats without alarms are omitted
@@ -151,14 +151,14 @@ private:
             streams.out.flush();
             if (!streams.out) io.stop();
         };
-        client.stream(std::move(request), take, [&](http::Outcome ended) {
+        client.stream(std::move(request), accept, [&](http::Outcome ended) {
             outcome = std::move(ended);
             io.stop();
         });
         io.run();
         if (!outcome) return fine;
         if (outcome->answer.status / 100 != 2)
-            throw Failure{outcome->answer.status == 0 ? outcome->fault : words_of(outcome->answer)};
+            throw Failure{outcome->answer.status == 0 ? outcome->fault : format_failure(outcome->answer)};
         throw Failure{outcome->fault.empty() ? "the gateway stopped" : outcome->fault};
     }
 };

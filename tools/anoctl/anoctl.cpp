@@ -112,7 +112,7 @@ std::string what_is_missing(const CLI::RequiredError& e, const Options& options)
 
 /// "; 'e1.mcap' was read as a value of --id; …", if the last value of an option that consumes all words after it looks like a
 /// file.
-std::string taken_for_a_value(const CLI::App& command, const Options& options) {
+std::string misread_value_hint(const CLI::App& command, const Options& options) {
     for (const Option& option : options) {
         if (!std::holds_alternative<std::vector<std::string>*>(option.into)) continue;
         const std::vector<std::string> words = command.get_option(option.name)->results();
@@ -215,7 +215,7 @@ std::string beginning_alike(const std::string& given, const std::vector<std::str
 }
 
 /// The message for an error of the option parser.
-std::string told(const CLI::ParseError& error, const CLI::App& command) {
+std::string format_error(const CLI::ParseError& error, const CLI::App& command) {
     std::string what = error.what();
     if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) != nullptr && what.ends_with(" missing"))
         return what.substr(0, what.find(':')) + ": missing value";
@@ -262,7 +262,7 @@ std::uint8_t message_id_of(const std::string& word, const std::string& where) {
     return std::get<std::uint8_t>(id);
 }
 
-bool wants_color(const char* no_color, const char* term) noexcept {
+bool use_color(const char* no_color, const char* term) noexcept {
     const bool refused = no_color != nullptr && *no_color != '\0';
     return !refused && term != nullptr && std::string_view{term} != "dumb";
 }
@@ -300,7 +300,7 @@ int run(int argc, const char* const* given, Streams& streams) {
         "  --control PATH   control socket of the gateway\n\n"
         "The environment variable NO_COLOR disables colors.");
     const auto complain = [&](const std::string& what, int code) {
-        tell(streams, what);
+        print_note(streams, what);
         return code;
     };
     const auto fail = [&](const std::string& what, int code) {
@@ -327,13 +327,13 @@ int run(int argc, const char* const* given, Streams& streams) {
         complain(stranger         ? "unknown option " + ano::in_quotes(unknown[0])
                  : chosen.empty() ? what_is_missing(e, {})
                                   : what_is_missing(e, declared[chosen.front()]) +
-                                        taken_for_a_value(*chosen.front(), declared[chosen.front()]),
+                                        misread_value_hint(*chosen.front(), declared[chosen.front()]),
                  usage);
         streams.err << "Run with --help for more information.\n";
         return usage;
     } catch (const CLI::ParseError& e) {
         const auto chosen = app.get_subcommands();
-        complain(told(e, chosen.empty() ? app : *chosen.front()), usage);
+        complain(format_error(e, chosen.empty() ? app : *chosen.front()), usage);
         streams.err << "Run with --help for more information.\n";
         return usage;
     } catch (const UsageError& e) {

@@ -95,7 +95,7 @@ std::uint8_t message_id_of(const std::string& word, const std::string& where = {
 
 /// Whether a terminal gets colours. The arguments are the environment variables of these names (nullptr: not set). False if
 /// NO_COLOR is set and not empty, or if `term` is "dumb".
-bool wants_color(const char* no_color, const char* term) noexcept;
+bool use_color(const char* no_color, const char* term) noexcept;
 
 /// Runs the program with these arguments. Returns the exit status.
 int run(int argc, const char* const* argv, Streams& streams);

@@ -67,7 +67,7 @@ void offer_names(const Json& devices, std::ostream& out) {
 
 /// The device of --device, else the only one. Empty: there are several, or none.
 std::string device_of(const GatewayOptions& gateway, Words words) {
-    if (std::string said = value_of(words, "--device"); !said.empty()) return said;
+    if (std::string value = value_of(words, "--device"); !value.empty()) return value;
     const Json answer = asked(gateway, "/devices");
     const Json& devices = at(answer, "devices");
     return devices.size() == 1 ? text_at(devices.front(), "address") : std::string{};

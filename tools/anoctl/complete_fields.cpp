@@ -31,7 +31,7 @@ void add_values(std::uint8_t id, std::string_view name, const std::string& befor
     for (const ano::Message& row : ano::layouts_of(id)) {
         const ano::Field* const field = row.field(name);
         if (field == nullptr) continue;
-        for (const std::string_view word : ano::words_of(*field, ano::ValueType7::f32)) {
+        for (const std::string_view word : ano::words_for(*field, ano::ValueType7::f32)) {
             std::string value = before + std::string{word};
             std::replace(value.begin(), value.end(), ' ', '_');
             if (std::find(all.begin(), all.end(), value) == all.end()) all.push_back(std::move(value));

@@ -32,7 +32,7 @@ using Bytes = std::span<const std::uint8_t>;
 
 constexpr std::size_t max_kept = 1 << 20;    // bytes not reported yet; of a longer gap, only the length is reported
 
-std::string text_of(Checks checks) { return spaced_hex(std::array{checks.sum, checks.add}); }
+std::string to_string(Checks checks) { return spaced_hex(std::array{checks.sum, checks.add}); }
 
 /// Prints frames while their bytes arrive, and the bytes between frames.
 class Decoder {
@@ -44,7 +44,7 @@ public:
               return o;
           }()} {}
 
-    void put_in(Bytes bytes) {
+    void write_in(Bytes bytes) {
         while (!bytes.empty()) {
             const auto room = parser_.prepare();
             const std::size_t n = std::min(room.size(), bytes.size());
@@ -70,7 +70,7 @@ public:
             const ssize_t n = ::read(fd, buffer.data(), buffer.size());
             if (n < 0 && errno == EINTR) continue;
             if (n < 0) throw Failure{name + ": " + std::strerror(errno)};
-            put_in(n == 0 ? input.finish() : input.read({buffer.data(), static_cast<std::size_t>(n)}));
+            write_in(n == 0 ? input.finish() : input.read({buffer.data(), static_cast<std::size_t>(n)}));
             streams_.out.flush();
             look();
             if (input.raw_line() != 0) no_hex_ = name + ": line " + std::to_string(input.raw_line());
@@ -108,37 +108,38 @@ private:
             gap_until(good_ + parser_.counters().skipped_bytes);
             printer_.print(*frame);
             if (const std::string why = undecoded(*frame, printer_.layouts()); !why.empty())
-                complain() << "offset " << told_ << ": " << why << '\n';
+                complain() << "offset " << reported_to_ << ": " << why << '\n';
             if (read(*frame, &printer_.layouts()).readable() == Readable::too_short) damaged_ = true;
             good_ += frame->bytes().size();
-            told_ += frame->bytes().size();
+            reported_to_ += frame->bytes().size();
         }
     }
     void gap_until(std::uint64_t end) {
-        if (end > told_) {
+        if (end > reported_to_) {
             damaged_ = true;
-            const std::vector<GapPart> parts = kept_at_ <= told_ ? parts_of(kept(told_, end)) : std::vector<GapPart>{};
+            const std::vector<GapPart> parts = kept_at_ <= reported_to_ ? parts_of(kept(reported_to_, end))
+                                                                        : std::vector<GapPart>{};
             for (const GapPart& part : parts) {
-                const std::uint64_t behind = told_ + part.bytes.size();
-                if (part.right) tell_wrong_checks(part);
-                else tell_gap(behind, parts.size() > 1);
-                told_ = behind;
+                const std::uint64_t behind = reported_to_ + part.bytes.size();
+                if (part.right) print_wrong_checksum(part);
+                else print_gap(behind, parts.size() > 1);
+                reported_to_ = behind;
             }
-            if (parts.empty()) tell_gap(end, false);
+            if (parts.empty()) print_gap(end, false);
         }
-        told_ = end;
+        reported_to_ = end;
         before_ = parser_.counters();
     }
-    void tell_gap(std::uint64_t end, bool beside_frames) {
-        begin_complaint(end - told_) << " outside any frame: " << cause(beside_frames) << '\n';
+    void print_gap(std::uint64_t end, bool beside_frames) {
+        begin_complaint(end - reported_to_) << " outside any frame: " << cause(beside_frames) << '\n';
     }
-    void tell_wrong_checks(const GapPart& part) {
+    void print_wrong_checksum(const GapPart& part) {
         const Checks wrong{part.bytes[part.bytes.size() - 2], part.bytes[part.bytes.size() - 1]};
-        begin_complaint(part.bytes.size()) << " outside any frame: wrong checksum " << text_of(wrong) << ", expected "
-                                           << text_of(*part.right) << '\n';
+        begin_complaint(part.bytes.size()) << " outside any frame: wrong checksum " << to_string(wrong) << ", expected "
+                                           << to_string(*part.right) << '\n';
         if (!json_) return;
         streams_.out << Json{{"fault", "check"},
-                             {"offset", told_},
+                             {"offset", reported_to_},
                              {"hex", hex(part.bytes)},
                              {"check", hex(part.bytes.last(2))},
                              {"right_check", hex(std::array{part.right->sum, part.right->add})}}
@@ -146,7 +147,7 @@ private:
                      << '\n';
     }
     std::ostream& begin_complaint(std::uint64_t bytes) {
-        return complain() << "offset " << told_ << ": " << bytes << (bytes == 1 ? " byte" : " bytes");
+        return complain() << "offset " << reported_to_ << ": " << bytes << (bytes == 1 ? " byte" : " bytes");
     }
     /// The reason why bytes are not a frame. `beside_frames`: wrong check bytes were reported already.
     const char* cause(bool beside_frames) const {
@@ -157,7 +158,7 @@ private:
         return "no frame starts here";
     }
     void keep(Bytes bytes) {
-        const std::uint64_t old = told_ > kept_at_ ? told_ - kept_at_ : 0;
+        const std::uint64_t old = reported_to_ > kept_at_ ? reported_to_ - kept_at_ : 0;
         if (kept_.size() > max_kept) drop(kept_.size());
         else if (old > kept_.size() / 2) drop(old);
         kept_.insert(kept_.end(), bytes.begin(), bytes.end());
@@ -178,9 +179,9 @@ private:
     bool json_;
     FramePrinter printer_;
     FrameParser parser_;
-    std::uint64_t told_ = 0;    // offset up to which everything was reported
-    std::uint64_t good_ = 0;    // bytes of valid frames
-    ParserCounters before_;     // counters at the last gap
+    std::uint64_t reported_to_ = 0;    // offset up to which everything was reported
+    std::uint64_t good_ = 0;           // bytes of valid frames
+    ParserCounters before_;            // counters at the last gap
     bool damaged_ = false;
     std::vector<std::uint8_t> kept_;    // bytes from offset kept_at_ on, including those not reported yet
     std::uint64_t kept_at_ = 0;
@@ -201,7 +202,7 @@ struct Decode {
                 throw UsageError{"missing input: give hex digits, a file, or - for standard input"};
             decoder.read_all(streams.in, "standard input");
         } else if (const auto bytes = from_hex_text(joined)) {
-            decoder.put_in(*bytes);
+            decoder.write_in(*bytes);
         } else {
             read_file(decoder);
         }

@@ -66,7 +66,7 @@ private:
             for (const Json& fault : at(answer, "faults"))
                 if (fault.is_string()) streams.err << "anoctl: " << without_controls(fault.get<std::string>()) << '\n';
         }
-        if (outcome.answer.status / 100 != 2) throw Failure{words_of(outcome.answer)};
+        if (outcome.answer.status / 100 != 2) throw Failure{format_failure(outcome.answer)};
         return show(outcome.answer.body, streams);
     }
 

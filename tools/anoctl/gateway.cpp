@@ -32,7 +32,7 @@ http::Answer answer_to(http::Request request, const std::string& socket) {
 }
 
 std::string body_of(http::Answer answer) {
-    if (answer.status / 100 != 2) throw Failure{words_of(answer)};
+    if (answer.status / 100 != 2) throw Failure{format_failure(answer)};
     return std::move(answer.body);
 }
 
@@ -71,7 +71,7 @@ std::string percent_encoded(std::string_view word) {
     return text;
 }
 
-std::string words_of(const http::Answer& answer) {
+std::string format_failure(const http::Answer& answer) {
     const auto json = nlohmann::json::parse(answer.body, nullptr, false);
     if (json.is_object() && json.contains("error") && json["error"].is_string())
         return without_controls(json["error"].get<std::string>());

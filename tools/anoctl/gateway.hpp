@@ -30,6 +30,6 @@ struct GatewayOptions {
 std::string percent_encoded(std::string_view word);
 
 /// The text of an error response: its "error", or its status.
-std::string words_of(const anogate::http::Answer& answer);
+std::string format_failure(const anogate::http::Answer& answer);
 
 }    // namespace anoctl

@@ -13,7 +13,7 @@ std::vector<ano::FlexibleSpec> layouts_of_gateway(const GatewayOptions& gateway)
     const anogate::http::Answer answer = gateway.answer("GET", "/flexible");
     constexpr unsigned not_found = 404;    // response of an older gateway
     if (answer.status == not_found) return specs;
-    if (answer.status / 100 != 2) throw Failure{words_of(answer)};
+    if (answer.status / 100 != 2) throw Failure{format_failure(answer)};
     ano::read_flexible(nlohmann::json::parse(at(parse_answer(answer.body), "flexible").dump()), "/flexible", specs);
     return specs;
 }

@@ -43,12 +43,12 @@ void add_counters(Table& table, const Json& counted) {
     add("      also: ", not_zero(counted, counts_of_kinds()));
 }
 
-void add_link(Table& table, const Json& link, Told& told) {
+void add_link(Table& table, const Json& link, PrintedHints& printed) {
     table.row({text_at(link, "name"), text_at(link, "state"), time_text(number_at(link, "since_s")), last_heard(link),
                text_at(link, "frames_in"), text_at(link, "frames_out"), text_at(link, "waiting")});
     if (const std::string place = listening_place(link); !place.empty()) table.note("    at " + place);
     for (const char* key : {"error", "hint"})
-        if (const std::string words = told.once(key, text_at(link, key)); !words.empty()) table.note("    " + words);
+        if (const std::string words = printed.once(key, text_at(link, key)); !words.empty()) table.note("    " + words);
     add_counters(table, link);
     for (const Json& channel : at(link, "channels")) {
         const std::string peer = text_at(channel, "peer");
@@ -69,10 +69,10 @@ struct Links {
         const Json all = parse_answer(gateway.ask("GET", "/links"));
         const std::vector<Json> links = chosen(all);
         Table table{{"LINK", "STATE", "SINCE", "HEARD", " IN", " OUT", " WAITING"}};
-        Told told;
+        PrintedHints printed;
         for (const Json& link : links) {
             if (json) streams.out << ano::json_text(link) << '\n';
-            else add_link(table, link, told);
+            else add_link(table, link, printed);
         }
         if (json) return fine;
         if (table.empty()) streams.out << "no links are configured\n";

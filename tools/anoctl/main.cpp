@@ -9,7 +9,7 @@
 int main(int argc, char** argv) {
     std::ios::sync_with_stdio(false);
     const bool terminal = isatty(STDOUT_FILENO) == 1;
-    const bool color = terminal && anoctl::wants_color(std::getenv("NO_COLOR"), std::getenv("TERM"));
+    const bool color = terminal && anoctl::use_color(std::getenv("NO_COLOR"), std::getenv("TERM"));
     anoctl::Streams streams{STDIN_FILENO,
                             std::cout,
                             std::cerr,

@@ -22,12 +22,12 @@ namespace {
 using namespace anogate;
 
 /// Prints the wanted frames, up to the wanted number.
-class Shown final : public FrameTaker {
+class Shown final : public FrameReceiver {
 public:
     Shown(const WantedFrames& wanted, std::uint64_t count, Streams& streams, const FrameOptions& frames)
         : wanted_{wanted}, left_{count}, streams_{streams}, printer_{streams, frames} {}
 
-    bool take(ano::FrameView frame, const Passage& passage) override {
+    bool accept(ano::FrameView frame, const Passage& passage) override {
         ++seen;
         if (!wanted_.takes(frame)) return true;
         printer_.print(frame, passage);
@@ -59,7 +59,7 @@ struct MonitorOptions {
         Shown shown{{ids, from, to},
                     count,
                     streams,
-                    as_said_of(link_settings_of(link, "for a link of the gateway, give its name: monitor --link"))};
+                    options_for(link_settings_of(link, "for a link of the gateway, give its name: monitor --link"))};
         const std::uint64_t skipped = listen(link, shown, streams, "monitor");
         streams.out.flush();
         streams.err << "anoctl: " << shown.shown << (shown.shown == 1 ? " frame" : " frames") << " shown of " << shown.seen
@@ -80,7 +80,7 @@ private:
         return watch({gateway.socket(), query, count, options}, streams);
     }
     // The options of the command line; where they are not given, those of the link.
-    FrameOptions as_said_of(const LinkSettings& settings) const {
+    FrameOptions options_for(const LinkSettings& settings) const {
         FrameOptions options = frames;
         if (!options.encoding && settings.encoding)
             options.encoding = *settings.encoding == TextEncoding::gbk ? ano::Encoding::gbk : ano::Encoding::utf8;

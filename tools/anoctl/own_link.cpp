@@ -47,8 +47,8 @@ bool matters_to_a_listener(std::string_view key) {
            std::none_of(std::begin(groups), std::end(groups), [&](std::string_view group) { return key.starts_with(group); });
 }
 
-std::string text_of(const std::string& text) { return text; }
-std::string text_of(std::int64_t number) { return std::to_string(number); }
+std::string to_string(const std::string& text) { return text; }
+std::string to_string(std::int64_t number) { return std::to_string(number); }
 
 }    // namespace
 
@@ -78,10 +78,10 @@ std::string keys_idle_for_listener(std::string_view link) {
 /// LinkHost of the only link.
 class OwnLink::Host final : public LinkHost {
 public:
-    Host(asio::io_context& io, const LinkSettings& settings, FrameTaker& taker, Streams& streams, std::string who,
+    Host(asio::io_context& io, const LinkSettings& settings, FrameReceiver& receiver, Streams& streams, std::string who,
          Duration look_every)
         : io_{io},
-          taker_{taker},
+          receiver_{receiver},
           streams_{streams},
           who_{std::move(who)},
           look_every_{look_every},
@@ -99,7 +99,7 @@ public:
         link_->stop();
     }
     bool send(ano::FrameView frame) {
-        spoke_ = true;
+        has_sent_ = true;
         bool left = false;
         const bool is_anywhere = std::any_of(channels_.begin(), channels_.end(),
                                              [](const auto& open) { return open != nullptr; });
@@ -136,8 +136,8 @@ public:
             if (open) frames += open->channel.outbox.waiting();
         return frames;
     }
-    std::uint64_t given_up() const noexcept {
-        std::uint64_t frames = gone_given_up_ + nowhere_;
+    std::uint64_t dropped_frames() const noexcept {
+        std::uint64_t frames = gone_dropped_frames_ + nowhere_;
         for (const auto& open : channels_)
             if (open) frames += offered_and_not_sent(open->channel) - open->channel.outbox.waiting();
         return frames;
@@ -180,20 +180,20 @@ private:
     }
     void close_channel(Channel& channel, std::string_view) override {
         gone_skipped_ += channel.parser.counters().skipped_bytes;
-        gone_given_up_ += offered_and_not_sent(channel);
+        gone_dropped_frames_ += offered_and_not_sent(channel);
         channels_[index(channel.id)].reset();
     }
     void receive(Channel& channel, ano::FrameView frame) override {
-        channel.hear(now_);
+        channel.record_received(now_);
         channels_[index(channel.id)]->heard.note(frame);
         heard_ = true;
         if (done_) return;
         const auto time = std::chrono::system_clock::now().time_since_epoch();
         const std::string& where = channel.peer.empty() ? link_->name() : channel.peer;
-        if (!taker_.take(frame, {where, std::chrono::duration<double>(time).count()})) finish_soon();
+        if (!receiver_.accept(frame, {where, std::chrono::duration<double>(time).count()})) finish_soon();
     }
     void flush() override {
-        if (!taker_.flush()) finish_soon();
+        if (!receiver_.flush()) finish_soon();
     }
     void link_up(Link& link) override {
         for (const auto& open : channels_)
@@ -201,7 +201,7 @@ private:
         std::string facts;
         for (const auto& [name, value] : link.facts()) {
             facts.append(facts.empty() ? ": " : ", ").append(name).append(" ");
-            std::visit([&](const auto& v) { facts += text_of(v); }, value);
+            std::visit([&](const auto& v) { facts += to_string(v); }, value);
         }
         if (!up_ && !who_.empty()) complain(link.name() + " is up" + facts);
         if (!up_) up_at_ = now();
@@ -232,7 +232,7 @@ private:
             if (ec || done_) return;
             std::string hint = heard_ ? hint_of_trouble(figures()) : anogate::hint(figures());
             const bool is_silent = figures().received.bytes_in == 0 && !figures().listens;
-            if (!hint.empty() && is_silent && !spoke_) hint += only_listens(who_);
+            if (!hint.empty() && is_silent && !has_sent_) hint += only_listens(who_);
             if (!hint.empty() && hint != hint_) complain(link_->name() + ": " + hint);
             hint_ = std::move(hint);
             look_later();
@@ -273,14 +273,14 @@ private:
             io_.stop();
         });
     }
-    void complain(const std::string& words) { tell(streams_, words); }
+    void complain(const std::string& words) { print_note(streams_, words); }
 
     asio::io_context& io_;
     AlarmClock alarms_{io_};
     DatagramBatch batch_;
     DatagramSender sender_;
     Resolver names_{io_};
-    FrameTaker& taker_;
+    FrameReceiver& receiver_;
     Streams& streams_;
     const std::string who_;
     const Duration look_every_;
@@ -290,17 +290,17 @@ private:
     LoopWatch loop_;    // required by links; the age of frames is not used
     asio::steady_timer look_{io_};
     std::string hint_;
-    bool up_ = false, heard_ = false, spoke_ = false;
+    bool up_ = false, heard_ = false, has_sent_ = false;
     bool done_ = false, stopped_ = false;
     TimePoint up_at_{};
     std::string why_;
-    std::uint64_t gone_skipped_ = 0, gone_given_up_ = 0;
+    std::uint64_t gone_skipped_ = 0, gone_dropped_frames_ = 0;
     std::uint64_t nowhere_ = 0;    // frames sent while no channel was open
 };
 
-OwnLink::OwnLink(asio::io_context& io, const LinkSettings& settings, FrameTaker& taker, Streams& streams, std::string who,
+OwnLink::OwnLink(asio::io_context& io, const LinkSettings& settings, FrameReceiver& receiver, Streams& streams, std::string who,
                  Duration look_every)
-    : host_{std::make_unique<Host>(io, settings, taker, streams, std::move(who), look_every)} {}
+    : host_{std::make_unique<Host>(io, settings, receiver, streams, std::move(who), look_every)} {}
 OwnLink::~OwnLink() = default;
 
 void OwnLink::start() { host_->start(); }
@@ -312,15 +312,15 @@ bool OwnLink::is_up() const noexcept { return host_->is_up(); }
 std::string OwnLink::trouble() const { return host_->trouble(); }
 std::uint64_t OwnLink::skipped() const noexcept { return host_->skipped(); }
 std::size_t OwnLink::waiting() const noexcept { return host_->waiting(); }
-std::uint64_t OwnLink::given_up() const noexcept { return host_->given_up(); }
+std::uint64_t OwnLink::dropped_frames() const noexcept { return host_->dropped_frames(); }
 
-std::uint64_t listen(const std::string& link, FrameTaker& taker, Streams& streams, const std::string& who) {
+std::uint64_t listen(const std::string& link, FrameReceiver& receiver, Streams& streams, const std::string& who) {
     const LinkSettings settings = link_settings_of(link);
     if (const std::string idle = keys_idle_for_listener(link); !idle.empty())
         streams.err << "anoctl: ignored: " << idle << "; " << who << " only receives\n";
     asio::io_context io{1};
     asio::signal_set signals{io, SIGINT, SIGTERM};
-    OwnLink own{io, settings, taker, streams, who};
+    OwnLink own{io, settings, receiver, streams, who};
     signals.async_wait([&](error_code ec, int) {
         if (ec) return;
         own.stop();

@@ -1,7 +1,7 @@
 // A link that this process opens itself, without a gateway.
 #pragma once
 #include "anoctl.hpp"
-#include "frame_taker.hpp"
+#include "frame_receiver.hpp"
 
 #include <ano/flush.hpp>
 #include <ano/time.hpp>
@@ -28,7 +28,7 @@ class OwnLink {
 public:
     /// The references must outlive it. `who`: the command, for the messages on `err`; if empty, there is no message when the link
     /// is up. `look_every`: interval of the check for hints.
-    OwnLink(anogate::asio::io_context& io, const anogate::LinkSettings& settings, FrameTaker& taker, Streams& streams,
+    OwnLink(anogate::asio::io_context& io, const anogate::LinkSettings& settings, FrameReceiver& receiver, Streams& streams,
             std::string who, ano::Duration look_every = std::chrono::seconds{3});
     ~OwnLink();
     OwnLink(const OwnLink&) = delete;
@@ -50,14 +50,14 @@ public:
     std::uint64_t skipped() const noexcept;
     /// Number of frames passed to send() that still wait, and that were dropped; a frame counts once for each channel.
     std::size_t waiting() const noexcept;
-    std::uint64_t given_up() const noexcept;
+    std::uint64_t dropped_frames() const noexcept;
 
 private:
     class Host;
     std::unique_ptr<Host> host_;
 };
 
-/// Receives until interrupted or until `taker` needs no more frames. Returns the number of bytes outside any frame.
-std::uint64_t listen(const std::string& link, FrameTaker& taker, Streams& streams, const std::string& who);
+/// Receives until interrupted or until `receiver` needs no more frames. Returns the number of bytes outside any frame.
+std::uint64_t listen(const std::string& link, FrameReceiver& receiver, Streams& streams, const std::string& who);
 
 }    // namespace anoctl

@@ -39,11 +39,11 @@ namespace http = anogate::http;
 /// Reads lines in a thread, because a descriptor shared with the shell must not be made non-blocking, and may be a file.
 class Lines {
 public:
-    /// From `io`, `take` is called for each line, without its line end, and `end` at the end of the input.
-    Lines(asio::io_context& io, int fd, std::function<void(std::string)> take, std::function<void()> end)
+    /// From `io`, `accept` is called for each line, without its line end, and `end` at the end of the input.
+    Lines(asio::io_context& io, int fd, std::function<void(std::string)> accept, std::function<void()> end)
         : io_{io},
           fd_{fd},
-          take_{std::move(take)},
+          accept_{std::move(accept)},
           end_{std::move(end)},
           stop_{::eventfd(0, EFD_CLOEXEC)},
           thread_{anogate::begin_thread([this] { read(); })} {}
@@ -68,18 +68,18 @@ private:
             if (n <= 0) break;
             for (const char c : std::string_view{bytes.data(), static_cast<std::size_t>(n)}) {
                 if (c != '\n') line += c;
-                else asio::post(io_, [this, whole = std::exchange(line, {})]() mutable { take_(std::move(whole)); });
+                else asio::post(io_, [this, whole = std::exchange(line, {})]() mutable { accept_(std::move(whole)); });
             }
         }
         asio::post(io_, [this, whole = std::move(line)]() mutable {
-            if (!whole.empty()) take_(std::move(whole));
+            if (!whole.empty()) accept_(std::move(whole));
             end_();
         });
     }
 
     asio::io_context& io_;
     int fd_;
-    std::function<void(std::string)> take_;
+    std::function<void(std::string)> accept_;
     std::function<void()> end_;
     anogate::UniqueFd stop_;
     std::thread thread_;
@@ -121,7 +121,7 @@ public:
         streams_.out.flush();
         if (!outcome) return fine;
         if (outcome->answer.status != 101)
-            throw Failure{outcome->answer.status == 0 ? outcome->fault : words_of(outcome->answer)};
+            throw Failure{outcome->answer.status == 0 ? outcome->fault : format_failure(outcome->answer)};
         throw Failure{outcome->fault.empty() ? "the gateway stopped" : outcome->fault};
     }
 
@@ -132,8 +132,8 @@ private:
         ~User() override { terminal_.socket_ = nullptr; }
         void opened(http::WebSocket& socket) override { terminal_.socket_ = &socket; }
         void heard(std::string_view message, http::WebSocket::Kind kind) override {
-            if (kind == http::WebSocket::Kind::text) terminal_.hear(message);
-            else terminal_.take(message);
+            if (kind == http::WebSocket::Kind::text) terminal_.receive_text(message);
+            else terminal_.accept(message);
             terminal_.show_later();
             if (!terminal_.streams_.out.flush()) terminal_.io_.stop();
         }
@@ -142,17 +142,18 @@ private:
         RawTerminal& terminal_;
     };
 
-    void hear(std::string_view message) {
-        const auto told = nlohmann::json::parse(message, nullptr, false);
-        if (!told.is_object()) return;
-        if (told.contains("link")) return begin(told);
-        if (told.contains("lost")) {
-            const auto& lost = told["lost"];
-            return tell(streams_, plural(lost.value("received", std::size_t{0}) + lost.value("sent", std::size_t{0}), "byte") +
-                                      " not shown: this terminal reads too slowly");
+    void receive_text(std::string_view message) {
+        const auto notice = nlohmann::json::parse(message, nullptr, false);
+        if (!notice.is_object()) return;
+        if (notice.contains("link")) return begin(notice);
+        if (notice.contains("lost")) {
+            const auto& lost = notice["lost"];
+            return print_note(streams_,
+                              plural(lost.value("received", std::size_t{0}) + lost.value("sent", std::size_t{0}), "byte") +
+                                  " not shown: this terminal reads too slowly");
         }
-        if (told.contains("error") && told["error"].is_string())
-            tell(streams_, without_controls(told["error"].get<std::string>()));
+        if (notice.contains("error") && notice["error"].is_string())
+            print_note(streams_, without_controls(notice["error"].get<std::string>()));
     }
     void begin(const nlohmann::json& about) {
         if (!options_.encoding && about.value("encoding", "") == "gbk") encoding_ = ano::Encoding::gbk;
@@ -162,7 +163,7 @@ private:
         std::string words = options_.link + ": " + (may_send ? "press Enter to send a line" : "read only");
         if (options_.exclusive) words += "; no frames are forwarded to it meanwhile";
         if (streams_.in_is_terminal) words += "; Ctrl-C exits";
-        tell(streams_, words);
+        print_note(streams_, words);
         if (may_send && !lines_)
             lines_ = std::make_unique<Lines>(
                 io_, streams_.in, [this](const std::string& line) { send(line); }, [this] { end_soon(); });
@@ -177,7 +178,7 @@ private:
             io_.stop();
         });
     }
-    void take(std::string_view message) {
+    void accept(std::string_view message) {
         constexpr std::size_t head = 9;
         if (message.size() < head) return;
         std::uint64_t ns = 0;
@@ -199,16 +200,17 @@ private:
         std::string bytes;
         if (options_.hex) {
             const auto read = ano::from_hex(line);
-            if (!read) return tell(streams_, "not sent: " + ano::in_quotes(line) + " is not hex digits");
+            if (!read) return print_note(streams_, "not sent: " + ano::in_quotes(line) + " is not hex digits");
             bytes.assign(read->begin(), read->end());
         } else {
             const auto written = ano::from_utf8(line, encoding_);
             if (!written)
-                return tell(streams_, "not sent: " + ano::in_quotes(line) + " cannot be represented in the encoding of the link");
+                return print_note(streams_,
+                                  "not sent: " + ano::in_quotes(line) + " cannot be represented in the encoding of the link");
             bytes = *written + options_.line_end;
         }
         if (!socket_->send(std::make_shared<const std::string>(std::move(bytes)), http::WebSocket::Kind::binary))
-            tell(streams_, "not sent: the gateway has not yet accepted earlier data");
+            print_note(streams_, "not sent: the gateway has not yet accepted earlier data");
     }
 
     void show(const std::vector<std::string>& lines) {

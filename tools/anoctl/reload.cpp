@@ -52,10 +52,10 @@ struct Reload {
         if (confirm_within) target += (dry_run ? "&" : "?") + ("confirm_within=" + percent_encoded(*confirm_within));
         const anogate::http::Answer answer = gateway.answer("POST", target);
         if (answer.status == faulty) return refused(answer, streams);
-        if (answer.status / 100 != 2) throw_words_of(answer);
+        if (answer.status / 100 != 2) throw_failure(answer);
         const Json came = parse_answer(answer.body);
         if (json) streams.out << ano::json_text(came) << '\n';
-        else tell(came, streams.out);
+        else print_result(came, streams.out);
         return fine;
     }
 
@@ -68,8 +68,8 @@ private:
     }
 
     // Replaces the name of the query parameter in the gateway's error text by that of the option.
-    [[noreturn]] static void throw_words_of(const anogate::http::Answer& answer) {
-        const std::string words = words_of(answer);
+    [[noreturn]] static void throw_failure(const anogate::http::Answer& answer) {
+        const std::string words = format_failure(answer);
         constexpr std::string_view query_word = "'confirm_within'";
         if (words.starts_with(query_word)) throw UsageError{"--confirm-within" + words.substr(query_word.size())};
         throw Failure{words};
@@ -82,10 +82,10 @@ private:
         else
             for (const Json& fault : at(came, "faults"))
                 if (fault.is_string()) streams.err << "anoctl: " << without_controls(fault.get<std::string>()) << '\n';
-        throw Failure{words_of(answer)};
+        throw Failure{format_failure(answer)};
     }
 
-    void tell(const Json& came, std::ostream& out) const {
+    void print_result(const Json& came, std::ostream& out) const {
         const bool changed = text_at(came, "changed") == "true";
         if (const std::string fault = text_at(came, "http_error"); !fault.empty())
             out << "HTTP interface off: " << without_controls(fault) << '\n';

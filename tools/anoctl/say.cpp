@@ -16,11 +16,11 @@ std::size_t width_of(bool is_terminal, const Streams& streams) { return is_termi
 
 }    // namespace
 
-void say(Streams& streams, std::string_view text) {
+void print(Streams& streams, std::string_view text) {
     streams.out << wrapped(text, width_of(streams.terminal, streams), hanging_indent) << '\n';
 }
 
-void tell(Streams& streams, std::string_view text) {
+void print_note(Streams& streams, std::string_view text) {
     streams.out.flush();
     streams.err << wrapped("anoctl: " + std::string{text}, width_of(streams.err_is_terminal, streams), hanging_indent)
                 << std::endl;

@@ -8,9 +8,9 @@
 namespace anoctl {
 
 /// Prints to standard output.
-void say(Streams& streams, std::string_view text);
+void print(Streams& streams, std::string_view text);
 /// Prints to standard error, with the prefix "anoctl: ".
-void tell(Streams& streams, std::string_view text);
+void print_note(Streams& streams, std::string_view text);
 /// Prints a question to standard error, without a line end.
 void ask(Streams& streams, std::string_view question);
 /// Reads the answer, without its line end.

@@ -32,9 +32,9 @@ struct Send {
         request.body = Json{{"hex", ano::hex(bytes())}}.dump();
         anogate::http::Outcome outcome = anogate::http::ask(gateway.socket(), std::move(request));
         if (!outcome.fault.empty()) throw Failure{outcome.fault};
-        if (outcome.answer.status != 200) throw Failure{words_of(outcome.answer)};
+        if (outcome.answer.status != 200) throw Failure{format_failure(outcome.answer)};
         if (frames.json) streams.out << outcome.answer.body;
-        else tell(Json::parse(outcome.answer.body, nullptr, false), streams);
+        else print_result(Json::parse(outcome.answer.body, nullptr, false), streams);
         return fine;
     }
 
@@ -55,7 +55,7 @@ private:
     }
 
     // "sent on ground (192.168.1.20:6000)"
-    static void tell(const Json& answer, Streams& streams) {
+    static void print_result(const Json& answer, Streams& streams) {
         const auto each = [&](const char* key, const char* words) {
             for (const Json& place : answer.value(key, Json::array())) {
                 streams.out << words << place.value("link", "");

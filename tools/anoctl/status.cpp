@@ -52,14 +52,14 @@ std::string rate_of(const Json& link, const char* counter, const Json& before, d
 // `before`: the links `seconds` ago. A hint that several links have is printed once, for the first of them.
 void write_links(const Json& links, const Json& before, double seconds, std::ostream& out) {
     Table table{{"LINK", "KIND", "STATE", "SINCE", " IN/s", " OUT/s", " IN", " OUT", " DROPPED"}};
-    Told told;
+    PrintedHints printed;
     for (const Json& link : links) {
         table.row({text_at(link, "name"), text_at(link, "kind"), text_at(link, "state"), time_text(number_at(link, "since_s")),
                    rate_of(link, "frames_in", before, seconds), rate_of(link, "frames_out", before, seconds),
                    text_at(link, "frames_in"), text_at(link, "frames_out"), sum_of(link, drop_causes(is_alone(link)))});
         if (const std::string place = listening_place(link); !place.empty()) table.note("    at " + place);
         for (const char* key : {"error", "hint"})
-            if (const std::string words = told.once(key, text_at(link, key)); !words.empty()) table.note("    " + words);
+            if (const std::string words = printed.once(key, text_at(link, key)); !words.empty()) table.note("    " + words);
     }
     if (table.empty()) out << "no links are configured\n";
     else table.write(out);

@@ -69,7 +69,7 @@ private:
         void opened(http::WebSocket&) override {}
         void heard(std::string_view message, http::WebSocket::Kind kind) override {
             if (kind == http::WebSocket::Kind::binary)
-                while (const auto record = anogate::take_record(message)) ++heard_[record->frame.source()];
+                while (const auto record = anogate::next_record(message)) ++heard_[record->frame.source()];
         }
 
     private:
@@ -79,7 +79,7 @@ private:
     void ask() {
         status_.ask(get("/status"), [this](const http::Outcome& outcome) {
             if (!outcome.fault.empty()) return end(outcome.fault);
-            if (outcome.answer.status != 200) return end(words_of(outcome.answer));
+            if (outcome.answer.status != 200) return end(format_failure(outcome.answer));
             look(nlohmann::json::parse(outcome.answer.body, nullptr, false));
             timer_.expires_after(refresh);
             timer_.async_wait([this](error_code ec) {

@@ -23,17 +23,17 @@ namespace {
 namespace asio = anogate::asio;
 namespace http = anogate::http;
 using anogate::FrameRecord;
-using Told = nlohmann::json;
+using Notice = nlohmann::json;
 
 constexpr auto flush_time = std::chrono::milliseconds{250};
 
 // Names for the numbers in records; the gateway sends them in text messages.
 class Names {
 public:
-    void set(const Told& list) {
+    void set(const Notice& list) {
         names_.clear();
         if (!list.is_array()) return;
-        for (const Told& name : list) names_.push_back(name.is_string() ? name.get<std::string>() : "");
+        for (const Notice& name : list) names_.push_back(name.is_string() ? name.get<std::string>() : "");
     }
     std::string of(std::size_t number) const { return number < names_.size() ? names_[number] : ""; }
 
@@ -43,7 +43,7 @@ private:
 
 class FrameWatcher {
 public:
-    FrameWatcher(const std::string& socket, FrameTaker& taker) : taker_{taker}, client_{io_, socket} {}
+    FrameWatcher(const std::string& socket, FrameReceiver& receiver) : receiver_{receiver}, client_{io_, socket} {}
 
     std::string run(const std::string& query, std::optional<ano::Duration> time) {
         asio::signal_set signals{io_, SIGINT, SIGTERM};
@@ -68,8 +68,8 @@ public:
         client_.cancel();
         if (!outcome_) return {};
         if (outcome_->answer.status != 101) {
-            if (outcome_->answer.status == 400) throw UsageError{words_of(outcome_->answer)};
-            throw Failure{outcome_->answer.status == 0 ? outcome_->fault : words_of(outcome_->answer)};
+            if (outcome_->answer.status == 400) throw UsageError{format_failure(outcome_->answer)};
+            throw Failure{outcome_->answer.status == 0 ? outcome_->fault : format_failure(outcome_->answer)};
         }
         return outcome_->fault.empty() ? "the gateway stopped" : outcome_->fault;
     }
@@ -81,9 +81,9 @@ private:
         void opened(http::WebSocket&) override {}
         void heard(std::string_view message, http::WebSocket::Kind kind) override {
             if (watcher_.done_) return;
-            if (kind == http::WebSocket::Kind::text) watcher_.hear(message);
-            else watcher_.take(message);
-            if (!watcher_.taker_.flush()) watcher_.finish();
+            if (kind == http::WebSocket::Kind::text) watcher_.receive_text(message);
+            else watcher_.accept(message);
+            if (!watcher_.receiver_.flush()) watcher_.finish();
         }
 
     private:
@@ -91,30 +91,30 @@ private:
     };
 
     // A text message contains the names for the numbers, or the number of lost frames.
-    void hear(std::string_view text) {
-        const Told told = Told::parse(text, nullptr, false);
-        if (!told.is_object()) return;
-        if (told.contains("lost") && told["lost"].is_object()) return tell_lost(told, text);
-        links_.set(told.value("links", Told{}));
-        peers_.set(told.value("channels", Told{}));
-        causes_.set(told.value("causes", Told{}));
-        if (!told.contains("decoding")) return;    // older gateways don't send it
-        if (const auto decoding = anogate::Decoding::parse(told["decoding"].dump())) taker_.use(decoding);
+    void receive_text(std::string_view text) {
+        const Notice notice = Notice::parse(text, nullptr, false);
+        if (!notice.is_object()) return;
+        if (notice.contains("lost") && notice["lost"].is_object()) return report_lost(notice, text);
+        links_.set(notice.value("links", Notice{}));
+        peers_.set(notice.value("channels", Notice{}));
+        causes_.set(notice.value("causes", Notice{}));
+        if (!notice.contains("decoding")) return;    // older gateways don't send it
+        if (const auto decoding = anogate::Decoding::parse(notice["decoding"].dump())) receiver_.use(decoding);
     }
 
-    void tell_lost(const Told& told, std::string_view text) {
+    void report_lost(const Notice& notice, std::string_view text) {
         std::string words;
         std::uint64_t count = 0;
-        for (const auto& [name, number] : told["lost"].items()) {
+        for (const auto& [name, number] : notice["lost"].items()) {
             if (!number.is_number_unsigned()) continue;
             words += (words.empty() ? "" : ", ") + name + " " + number.dump();
             count += number.get<std::uint64_t>();
         }
-        taker_.miss(count, words, text);
+        receiver_.miss(count, words, text);
     }
 
-    void take(std::string_view records) {
-        while (const auto record = anogate::take_record(records)) {
+    void accept(std::string_view records) {
+        while (const auto record = anogate::next_record(records)) {
             const std::uint64_t microseconds = record->time_ns / 1000;
             anoctl::Passage passage{links_.of(record->link), static_cast<double>(microseconds) / 1e6};
             passage.time_ns = record->time_ns;
@@ -126,7 +126,7 @@ private:
             passage.direction = text(record->direction);
             passage.is_elsewhere = record->is_elsewhere;
             if (record->direction == anogate::Direction::dropped) passage.cause = causes_.of(record->cause);
-            if (!taker_.take(record->frame, passage)) return finish();
+            if (!receiver_.accept(record->frame, passage)) return finish();
         }
     }
 
@@ -135,7 +135,7 @@ private:
         tick_.expires_after(flush_time);
         tick_.async_wait([this](anogate::error_code ec) {
             if (ec || done_) return;
-            if (!taker_.flush()) return finish();
+            if (!receiver_.flush()) return finish();
             tick();
         });
     }
@@ -145,7 +145,7 @@ private:
         io_.stop();
     }
 
-    FrameTaker& taker_;
+    FrameReceiver& receiver_;
     Names links_, peers_, causes_;
     bool done_ = false;
     asio::io_context io_{1};
@@ -154,12 +154,12 @@ private:
     std::optional<http::Outcome> outcome_;
 };
 
-class Watched final : public FrameTaker {
+class Watched final : public FrameReceiver {
 public:
     Watched(const Watching& watching, Streams& streams)
         : watching_{watching}, streams_{streams}, printer_{streams, watching.frames} {}
 
-    bool take(ano::FrameView frame, const Passage& passage) override {
+    bool accept(ano::FrameView frame, const Passage& passage) override {
         printer_.print(frame, passage);
         return ++shown_ != watching_.count;
     }
@@ -190,9 +190,9 @@ private:
 
 }    // namespace
 
-std::string watch_frames(const std::string& socket, const std::string& query, FrameTaker& taker,
+std::string watch_frames(const std::string& socket, const std::string& query, FrameReceiver& receiver,
                          std::optional<ano::Duration> time) {
-    return FrameWatcher{socket, taker}.run(query, time);
+    return FrameWatcher{socket, receiver}.run(query, time);
 }
 
 int watch(const Watching& watching, Streams& streams) {

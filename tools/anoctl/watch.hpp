@@ -18,10 +18,10 @@ struct Watching {
     FrameOptions frames;
 };
 
-/// Passes frames to `taker`. Returns empty if interrupted, `taker` needs no more frames, or `time` has passed; otherwise the
+/// Passes frames to `receiver`. Returns empty if interrupted, `receiver` needs no more frames, or `time` has passed; otherwise the
 /// reason why no more frames will arrive. Throws UsageError for a filter that the gateway rejects, Failure if there is no
 /// gateway.
-std::string watch_frames(const std::string& socket, const std::string& query, FrameTaker& taker,
+std::string watch_frames(const std::string& socket, const std::string& query, FrameReceiver& receiver,
                          std::optional<ano::Duration> time = std::nullopt);
 
 /// Prints frames until interrupted. Throws Failure if there is no gateway, or it stops.

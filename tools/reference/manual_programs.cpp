@@ -14,7 +14,7 @@ std::string joined(const std::vector<std::string>& words, std::string_view betwe
     return all;
 }
 
-void put_options(Page& page, const Command& command) {
+void write_options(Page& page, const Command& command) {
     page.begin_list();
     for (const Argument& operand : command.operands) page.item("", operand.value, operand.help);
     for (const Argument& option : command.options) page.item(joined(option.names, ", "), option.value, option.help);
@@ -43,7 +43,7 @@ std::string anogated_page() {
         "Without LINK and --config it reads /etc/anogate/anogate.json, see anogate.json(5). If a device is missing, anogated "
         "waits for it. For each error in the configuration it prints one line with the location and a suggestion.");
     page.section("OPTIONS");
-    put_options(page, program.commands.front());
+    write_options(page, program.commands.front());
     page.section("LINKS");
     page.text(
         "LINK is KIND:ADDRESS[,KEY=VALUE...]; the address ends at the first comma after KIND:. A key without a value means true. "
@@ -100,7 +100,7 @@ std::string anoctl_page() {
         page.subsection(command.name);
         page.text(command.help + ":");
         page.literal("anoctl " + command.name + " " + operands(command));
-        put_options(page, command);
+        write_options(page, command);
     }
     page.section("ENVIRONMENT");
     page.begin_list();

@@ -22,7 +22,7 @@ std::string escaped(std::string_view words) {
 }
 
 /// Escapes a line whose beginning would be read as a command.
-std::string line_of_text(std::string_view line) {
+std::string format_line(std::string_view line) {
     const bool is_command = !line.empty() && (line.front() == '.' || line.front() == '\'');
     return (is_command ? "\\&" : "") + escaped(line) + "\n";
 }
@@ -35,10 +35,10 @@ std::string lines_of_text(std::string_view words) {
         std::size_t end = std::min(words.size(), width);
         while (end != 0 && (words[end - 1] != ' ' || escaped(words.substr(0, end)).size() > width)) --end;
         if (end == 0) end = std::min(words.find(' '), words.size() - 1) + 1;    // a word longer than a line
-        all += line_of_text(words.substr(0, end - (words[end - 1] == ' ' ? 1 : 0)));
+        all += format_line(words.substr(0, end - (words[end - 1] == ' ' ? 1 : 0)));
         words.remove_prefix(end);
     }
-    return words.empty() ? all : all + line_of_text(words);
+    return words.empty() ? all : all + format_line(words);
 }
 
 /// Quotes an argument of a macro.
@@ -97,7 +97,7 @@ void Page::paragraph() {
 void Page::literal(std::string_view lines) {
     macro("Bd -literal -offset indent");
     std::istringstream in{std::string{lines}};
-    for (std::string line; std::getline(in, line);) text_ += line_of_text(line);
+    for (std::string line; std::getline(in, line);) text_ += format_line(line);
     macro("Ed");
     began_ = true;
 }

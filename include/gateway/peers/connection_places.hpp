@@ -22,12 +22,12 @@ struct ConnectionPlaces {
     struct Connection {
         IpAddress address{};
         ano::TimePoint since{};
-        bool has_spoken = false;    // it sent a complete frame
+        bool has_sent_frame = false;    // it sent a complete frame
         bool is_trusted = false;
     };
     struct Place {
         bool free = false;
-        std::optional<std::size_t> gives_way{};    // the index of the connection that must be closed first
+        std::optional<std::size_t> evicted{};    // the index of the connection that must be closed first
     };
     /// Whether there is a place for `stranger`, which connects at `now`. `all` are the current connections.
     Place place_for(std::span<const Connection> all, const IpAddress& stranger, bool is_trusted, ano::TimePoint now) const;

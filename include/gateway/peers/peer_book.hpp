@@ -65,7 +65,7 @@ public:
 
     struct Place {
         bool free = false;
-        std::optional<ChannelId> gives_way;    // the peer that must be closed first
+        std::optional<ChannelId> evicted;    // the peer that must be closed first
     };
     /// Whether an unknown sender may become a peer.
     /// - One that sent once does not replace a peer that was received within the timeout or sent more than once.
@@ -95,7 +95,7 @@ public:
     struct Memory {
         TimePoint heard_at{};
         bool is_host = false;
-        bool came_again = false;
+        bool has_returned = false;
         bool once = false;
         bool commands = false;
     };
@@ -124,27 +124,27 @@ private:
         Rank rank = Rank::ordinary;
         TimePoint heard_at{};
         TimePoint exchange_began{};    // when it started
-        bool came_again = false;       // more than one exchange
+        bool has_returned = false;     // more than one exchange
         std::uint32_t refusals = 0;    // since its last frame
         TimePoint first_refused_at{};
         bool is_gone = false;    // concluded from refusals
     };
 
     // An unknown sender for which there was no place.
-    struct Knock {
+    struct RejectedSender {
         Endpoint endpoint;
         TimePoint first{};
         TimePoint last{};
     };
-    static constexpr std::size_t max_knocks = 64;
-    static constexpr std::size_t max_knocks_of_address = 2;
+    static constexpr std::size_t max_rejected = 64;
+    static constexpr std::size_t max_rejected_of_address = 2;
 
     std::size_t places_of(const IpAddress& address) const noexcept;
-    bool knocks_again(const Endpoint& stranger, TimePoint now);
+    bool keeps_retrying(const Endpoint& stranger, TimePoint now);
     const Peer& peer(ChannelId id) const noexcept { return peers_[index(id)]; }
     Peer& peer(ChannelId id) noexcept { return peers_[index(id)]; }
     bool has_free_place(Rank rank) const noexcept;
-    bool may_give_way(const Peer& p, Rank to) const noexcept;
+    bool may_be_evicted(const Peer& p, Rank to) const noexcept;
     std::optional<ChannelId> last_that_commands(TimePoint now) const noexcept;
     std::size_t count(Rank at_least) const noexcept;
     bool may_listen(const Peer& p) const noexcept { return p.near && p.is_host; }
@@ -162,7 +162,7 @@ private:
     Options options_;
     std::array<Peer, max_channels> peers_;
     ChannelSet used_;
-    std::array<Knock, max_knocks> knocks_;
+    std::array<RejectedSender, max_rejected> rejected_;
 };
 
 /// Whether a source address can be a peer's: not broadcast, multicast or 0.0.0.0, and not port 0. `own`: our networks.

@@ -93,7 +93,7 @@ class Tunnel {
 public:
     /// Whether an inner frame may be forwarded: the filters, limits and switches of its incoming link.
     using Passes = std::function<bool(ano::FrameView)>;
-    using Take = std::function<void(ano::FrameView)>;
+    using OnFrame = std::function<void(ano::FrameView)>;
     /// The properties of the machine that the tunnel needs.
     struct Environment {
         /// Our address on the route to `there`, or for 0.0.0.0 the default one; std::nullopt: no route leads there.
@@ -131,9 +131,9 @@ public:
 
     /// Whether `sender` may send to the tunnel; counted if not.
     bool admits(const Endpoint& sender);
-    /// Opens a tunnel frame that `sender` sent us and calls `take` for each frame inside; one for another ip is refused. The
+    /// Opens a tunnel frame that `sender` sent us and calls `on_frame` for each frame inside; one for another ip is refused. The
     /// source address in the frame is not used. True: there was at least one frame inside.
-    bool in(ano::FrameView frame, const IpAddress& sender, const Take& take);
+    bool in(ano::FrameView frame, const IpAddress& sender, const OnFrame& on_frame);
     /// Counts a datagram with at least one accepted frame.
     void came_in() noexcept { ++counters_.in; }
 
@@ -147,9 +147,9 @@ public:
     /// begin_wrap() has not refused this datagram.
     bool can_wrap() const noexcept { return !refused_wrap_; }
     /// Adds a frame. If it does not fit, `send` is called with the tunnel frame so far first.
-    void add_to_wrap(ano::FrameView frame, const Take& send);
+    void add_to_wrap(ano::FrameView frame, const OnFrame& send);
     /// The datagram ends: calls `send` with the last tunnel frame.
-    void end_wrap(const Take& send);
+    void end_wrap(const OnFrame& send);
 
     const TunnelSettings& settings() const noexcept { return settings_; }
     const TunnelCounters& counters() const noexcept { return counters_; }
@@ -163,7 +163,7 @@ private:
     bool gather(std::span<const std::uint8_t> inner, const Passes& passes);
     bool refuse_wrap(std::uint64_t TunnelCounters::*cause) noexcept;
     void start_wrap() noexcept;
-    void send_wrap(const Take& send);
+    void send_wrap(const OnFrame& send);
 
     TunnelSettings settings_;
     std::uint8_t own_id_;

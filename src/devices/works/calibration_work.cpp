@@ -77,7 +77,7 @@ std::optional<ano::host::AnyValue> value_of_hex(const Json& json) {
 }
 
 // Parses the form of value_json().
-std::optional<ano::host::AnyValue> value_told(const Json& json) {
+std::optional<ano::host::AnyValue> parse_value(const Json& json) {
     constexpr double infinity = std::numeric_limits<double>::infinity();
     if (json == "nan") return std::numeric_limits<double>::quiet_NaN();
     if (json == "inf") return infinity;
@@ -95,7 +95,7 @@ std::optional<CalibrationValues> values_in_note(const std::string& text, Sensor 
     CalibrationValues values;
     for (const std::string& name : ano::host::calibration_names(sensor)) {
         const Json one = kept.value(name, Json{});
-        auto value = has_bytes ? value_of_hex(one) : value_told(one);
+        auto value = has_bytes ? value_of_hex(one) : parse_value(one);
         if (!value) return std::nullopt;
         values.emplace_back(name, *std::move(value));
     }
@@ -128,7 +128,7 @@ enum class Unit : std::uint8_t {
 
 // Whether a value distinguishes a unit from others of its type: a unit that was never calibrated, or is cleared, has the neutral
 // one.
-bool tells_apart(const ano::host::AnyValue& value, const ano::host::AnyValue& neutral) {
+bool is_distinct_from(const ano::host::AnyValue& value, const ano::host::AnyValue& neutral) {
     const auto* number = std::get_if<double>(&value);
     return number != nullptr && std::isfinite(*number) && *number != 0 && !ano::host::same_bytes(value, neutral, ano::Type::f32);
 }
@@ -152,16 +152,16 @@ Unit unit_of_note(const CalibrationValues& has, const CalibrationValues& has_of_
     const std::vector<CalibrationValues> left = left_by_calibration(text, sensor);
     const CalibrationValues neutral = ano::host::neutral_calibration(sensor),
                             neutral_other = ano::host::neutral_calibration(other);
-    bool is_told_apart = false;
+    bool is_distinct = false;
     for (std::size_t i = 0; i < has.size(); ++i) {
         const auto& value = has[i].second;
         const auto is_it = [&](const auto& one) { return ano::host::same_bytes(value, one[i].second, ano::Type::f32); };
         if (std::none_of(left.begin(), left.end(), is_it)) return Unit::other;
-        is_told_apart = is_told_apart || (!is_it(left[0]) && tells_apart(value, neutral[i].second));
+        is_distinct = is_distinct || (!is_it(left[0]) && is_distinct_from(value, neutral[i].second));
     }
     for (std::size_t i = 0; other_values && i < other_values->size(); ++i)
-        is_told_apart = is_told_apart || tells_apart((*other_values)[i].second, neutral_other[i].second);
-    return is_told_apart ? Unit::same : Unit::alike;
+        is_distinct = is_distinct || is_distinct_from((*other_values)[i].second, neutral_other[i].second);
+    return is_distinct ? Unit::same : Unit::alike;
 }
 
 // How the user can write the values of a note back, as a clause.
@@ -169,14 +169,14 @@ std::string by_hand(const WorkPlace& place, const std::string& name) {
     return "anoctl param import " + place.net.kept_path(name) + ", then anoctl param save";
 }
 
-constexpr const char* not_told_apart = "this unit can't be distinguished from others of its type that were never calibrated";
+constexpr const char* not_distinguishable = "this unit can't be distinguished from others of its type that were never calibrated";
 
 // The note is the only copy of its values, so they are logged.
 std::string drop_note(const WorkPlace& place, const std::string& name, Unit unit) {
     const std::string text = *place.notes.find(name);
     const bool is_alike = unit == Unit::alike;
     place.notes.drop(name, is_alike ? "removed: it may be of another unit" : "removed: the device has other calibration values");
-    return (is_alike ? std::string{not_told_apart} + ", so its values stay, and the file is removed: "
+    return (is_alike ? std::string{not_distinguishable} + ", so its values stay, and the file is removed: "
                      : "the calibration values of the device are not those of the unfinished calibration, so they stay, and the "
                        "file is "
                        "removed: ") +
@@ -225,7 +225,7 @@ private:
         const Unit unit = unit_of_note(has, of_other.value_or(CalibrationValues{}), *text, *sensor);
         if (unit == Unit::other) return finish(work_fault(409, drop_note(place(), name_, unit)));
         if (unit == Unit::alike)
-            return finish(work_fault(409, std::string{not_told_apart} + "; if the values belong to it: " +
+            return finish(work_fault(409, std::string{not_distinguishable} + "; if the values belong to it: " +
                                               by_hand(place(), name_) + "; otherwise remove the file"));
         writes_ = true;
         next(std::make_unique<ano::host::CalibrationWrite>(place().device, &place().cache, *sensor, *values)).start(now);
@@ -260,10 +260,10 @@ public:
         next(std::move(task)).start(now);
     }
     std::string half_done() const override { return kept_where("the old values", "at the next start"); }
-    void hear(ano::FrameView frame, TimePoint now) override {
+    void receive(ano::FrameView frame, TimePoint now) override {
         if (calibration_ == nullptr || calibration_->end()) return;
         const Phase before = phase();
-        calibration_->hear(frame, now);
+        calibration_->receive(frame, now);
         if (phase() != before || calibration_->end()) place().net.wake(now);
     }
     std::optional<TimePoint> due() const override { return calibration_ != nullptr ? calibration_->due() : std::nullopt; }
@@ -397,7 +397,7 @@ private:
         const CalibrationValues other = calibration_ != nullptr ? calibration_->other_values() : CalibrationValues{};
         if (unit_of_note(left, other, ano::compact_json(json_), sensor_) == Unit::same)
             return kept + " and are written back " + when;
-        return kept + "; " + not_told_apart + ", so write them back by hand: " + by_hand(place(), name);
+        return kept + "; " + not_distinguishable + ", so write them back by hand: " + by_hand(place(), name);
     }
     void done(const Task& task, TimePoint) override {
         forget();

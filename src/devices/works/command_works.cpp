@@ -34,8 +34,8 @@ Json command_json(const CommandInfo& info, const DeviceTexts& texts) {
         if (info.has_open_type && number == 7) values.push_back("f32|u64");
         else values.push_back(name_of(type));
     }
-    Json json{{"id", info.id}, {"name", texts.shown(info.name)}};
-    if (!info.info.empty()) json["text"] = texts.shown(info.info);
+    Json json{{"id", info.id}, {"name", texts.display_text(info.name)}};
+    if (!info.info.empty()) json["text"] = texts.display_text(info.info);
     json["values"] = std::move(values);
     if (info.has_unknown_type) json["unsupported"] = true;
     return json;
@@ -48,17 +48,17 @@ public:
 protected:
     /// The stated meaning of value type 7; std::nullopt: none, so that the device's descriptions decide.
     std::optional<ano::ValueType7> stated_type_7() {
-        const auto of_link = place().net.manners(place().device.address()).value_type_7;
+        const auto of_link = place().net.device_limits(place().device.address()).value_type_7;
         if (of_link) return of_link;
         return given_type_7_ ? given_type_7_ : kept_type_7(place());
     }
     /// Applies the meaning that the client states; it is stored when the command is called. False if the link's key states the
     /// opposite; the work has then ended.
     bool state_type_7(std::optional<ano::ValueType7> seven) {
-        const auto of_link = place().net.manners(place().device.address()).value_type_7;
+        const auto of_link = place().net.device_limits(place().device.address()).value_type_7;
         if (!seven || of_link == seven) return true;
         if (of_link) {
-            finish(work_fault(422, "value type 7 is " + std::string{text_of_type_7(*of_link)} +
+            finish(work_fault(422, "value type 7 is " + std::string{to_string(*of_link)} +
                                        " on this link (value_type_7 or profile): change it there"));
             return false;
         }
@@ -70,17 +70,17 @@ protected:
     bool agrees(const std::vector<CommandInfo>& all) {
         if (!given_type_7_) return true;
         for (const CommandInfo& one : all) {
-            const auto shown = ano::host::shown_type_7(one);
-            if (!shown || shown == given_type_7_) continue;
-            finish(work_fault(422, "value type 7 of this device is " + std::string{text_of_type_7(*shown)} +
-                                       ", as its descriptions show, not " + std::string{text_of_type_7(*given_type_7_)} +
+            const auto display_text = ano::host::reported_type_7(one);
+            if (!display_text || display_text == given_type_7_) continue;
+            finish(work_fault(422, "value type 7 of this device is " + std::string{to_string(*display_text)} +
+                                       ", as its descriptions show, not " + std::string{to_string(*given_type_7_)} +
                                        ": omit type7; if the descriptions are wrong, set value_type_7 on the link"));
             return false;
         }
         return true;
     }
     void read(TimePoint now) {
-        const auto of_link = place().net.manners(place().device.address()).value_type_7;
+        const auto of_link = place().net.device_limits(place().device.address()).value_type_7;
         auto task = std::make_unique<Commands>(place().device, of_link, &place().commands);
         commands_ = task.get();
         next(std::move(task)).read(now);
@@ -105,7 +105,7 @@ protected:
         check_ = task.get();
         next(std::move(task)).start(now);
     }
-    void tell_unconfirmed() {
+    void report_unconfirmed() {
         note_ = ano::host::hex_of(place().device.address()) +
                 " did not confirm that the command is unchanged: it was sent as described earlier";
     }
@@ -132,7 +132,7 @@ protected:
     }
     /// The command is not of the device's list.
     void mean_present_device() noexcept { means_present_device_ = true; }
-    void tell(const ano::host::End& ended, const Json& result) {
+    void report(const ano::host::End& ended, const Json& result) {
         WorkEnd end = end_of(ended, texts());
         Json whole = result;
         if (!note_.empty()) whole["note"] = note_;
@@ -152,8 +152,8 @@ private:
     void remember_change() {
         const auto before = kept_type_7(place());
         if (before && before != given_type_7_)
-            note_ = "value type 7 of this device is " + std::string{text_of_type_7(*given_type_7_)} +
-                    " from now on; it was stored as " + std::string{text_of_type_7(*before)};
+            note_ = "value type 7 of this device is " + std::string{to_string(*given_type_7_)} +
+                    " from now on; it was stored as " + std::string{to_string(*before)};
     }
 
     Commands* commands_ = nullptr;
@@ -188,17 +188,17 @@ private:
             if (task() == nullptr) head["known"] = true;
             text_.emplace(head, "commands");
         }
-        for (std::size_t n = 0; n < RowsText::rows_a_turn && told_ < rows_->size(); ++n)
-            text_->add(command_json((*rows_)[told_++], texts()));
+        for (std::size_t n = 0; n < RowsText::rows_a_turn && listed_ < rows_->size(); ++n)
+            text_->add(command_json((*rows_)[listed_++], texts()));
         if (text_->size() > RowsText::max_bytes) return finish(too_many_bytes(device.address()));
-        if (told_ == rows_->size()) finish(text_->ended(std::move(end_), Json::object()));
+        if (listed_ == rows_->size()) finish(text_->ended(std::move(end_), Json::object()));
     }
 
     const bool may_be_known_;
     std::optional<std::vector<CommandInfo>> rows_;
     WorkEnd end_;
     std::optional<RowsText> text_;
-    std::size_t told_ = 0;
+    std::size_t listed_ = 0;
 };
 
 class CallCommand final : public CommandWork {
@@ -222,12 +222,13 @@ private:
             const CommandCheck::Found found = check()->found();
             if (found == CommandCheck::Found::interrupted && ++interrupted_ < max_interrupted) return confirm(*command_, now);
             const bool is_unconfirmed = found == CommandCheck::Found::unconfirmed || found == CommandCheck::Found::interrupted;
-            if (is_unconfirmed) tell_unconfirmed();
+            if (is_unconfirmed) report_unconfirmed();
             if (found == CommandCheck::Found::same || is_unconfirmed) return call_it(now);
             command_.reset();
             return read(now);
         }
-        if (command_) return tell(*task.end(), {{"id", command_->id}, {"name", texts().shown(command_->name)}, {"called", true}});
+        if (command_)
+            return report(*task.end(), {{"id", command_->id}, {"name", texts().display_text(command_->name)}, {"called", true}});
         if (!agrees_as_read()) return;
         command_ = called(commands());
         if (!command_ && order_.called) return finish_outdated();
@@ -311,7 +312,7 @@ public:
 
 private:
     static WorkEnd misfit(std::size_t i, const char* why) { return work_fault(422, "value " + std::to_string(i + 1) + why); }
-    void done(const Task& task, TimePoint) override { tell(*task.end(), {{"cid", command_.cid}, {"called", true}}); }
+    void done(const Task& task, TimePoint) override { report(*task.end(), {{"cid", command_.cid}, {"called", true}}); }
 
     std::string json_, bytes_;
     CommandOrder order_;

@@ -19,7 +19,7 @@ using ano::TimePoint;
 using ano::host::Firmware;
 using ano::host::Task;
 
-constexpr std::chrono::seconds worth_telling{3};    // silence that is reported
+constexpr std::chrono::seconds reported_silence{3};    // silence that is reported
 
 constexpr std::size_t usual_frame = 195;    // bytes of the image in a frame; DATA has three more
 
@@ -37,7 +37,7 @@ public:
 
     // Checks the file outside the loop, because it may be large; and only if the frames fit the link.
     void start(TimePoint) override {
-        const std::size_t room = place().net.manners(place().device.address()).max_data;
+        const std::size_t room = place().net.device_limits(place().device.address()).max_data;
         frame_len_ = std::min(usual_frame, room > 3 ? room - 3 : usual_frame);
         if (order_.file.size() > Firmware::max_frames * frame_len_ + ano::host::FirmwareImage::header_bytes)
             return finish(work_fault(422, "the image has more than 65536 frames of " + std::to_string(frame_len_) + " bytes"));
@@ -66,7 +66,7 @@ private:
     void look(TimePoint now) override {
         if (firmware_ != nullptr) {
             if (firmware_->is_left_in_loader() && !std::exchange(is_noted_, true)) note();
-            return say(now);
+            return report(now);
         }
         if (end() || !read_->is_done) return;
         if (!read_->fault.empty()) return finish(work_fault(503, "the file could not be checked: " + read_->fault));
@@ -88,14 +88,14 @@ private:
     // Stores the identity while the device still answers.
     void note() { keep_loader_note(place(), place().device.info() ? place().device.info() : order_.known_as); }
     // Updates the message once a second, and at once after an odd reply.
-    void say(TimePoint now) {
+    void report(TimePoint now) {
         const bool is_news = firmware_->step() != step_ || firmware_->odd_reply() != odd_reply_;
-        if (end() || (!is_news && now - said_at_ < std::chrono::seconds{1})) return;
-        said_at_ = now;
+        if (end() || (!is_news && now - reported_at_ < std::chrono::seconds{1})) return;
+        reported_at_ = now;
         step_ = words_ = firmware_->step();
         const double speed = firmware_->bytes_a_second(now);
         const auto silent = std::chrono::floor<std::chrono::seconds>(firmware_->silent_for(now));
-        if (silent >= worth_telling) words_ += ", no answer for " + std::to_string(silent.count()) + " s";
+        if (silent >= reported_silence) words_ += ", no answer for " + std::to_string(silent.count()) + " s";
         else if (speed > 0) words_ += ", " + speed_in_words(speed, firmware_->time_left(now));
         odd_reply_ = firmware_->odd_reply();
         if (!odd_reply_.empty()) words_ += "; " + odd_reply_;
@@ -120,7 +120,7 @@ private:
     Firmware* firmware_ = nullptr;
     std::size_t size_ = 0, frame_len_ = usual_frame;
     bool is_noted_ = false;
-    TimePoint began_{}, said_at_{};
+    TimePoint began_{}, reported_at_{};
     std::string step_, odd_reply_, words_ = "checking the file";
 };
 

@@ -61,9 +61,9 @@ protected:
                                 words.size());
     }
     bool is_called(const ano::host::ParameterInfo& one, const std::vector<std::string>& words) const {
-        const std::string shown = texts().shown(one.name), id = std::to_string(one.id);
+        const std::string display_text = texts().display_text(one.name), id = std::to_string(one.id);
         return std::any_of(words.begin(), words.end(), [&](const std::string& word) {
-            return word == shown || word == id || DeviceTexts::is_once_exported(one.name, word);
+            return word == display_text || word == id || DeviceTexts::is_once_exported(one.name, word);
         });
     }
     /// The descriptions as read before, if the device was not away since; nullptr: they are not known.
@@ -74,14 +74,14 @@ protected:
     const Parameters& parameters() const { return *parameters_; }
     /// The parameter of `all` that has the name `name` for clients.
     ano::host::Found named(const std::vector<ano::host::ParameterInfo>& all, std::string_view name) {
-        if (std::exchange(shown_of_, all.data()) != all.data() || shown_.size() != all.size()) {
-            shown_.clear();
-            for (const ano::host::ParameterInfo& one : all) shown_.push_back(texts().shown(one.name));
+        if (std::exchange(display_names_of_, all.data()) != all.data() || display_names_.size() != all.size()) {
+            display_names_.clear();
+            for (const ano::host::ParameterInfo& one : all) display_names_.push_back(texts().display_text(one.name));
         }
         ano::host::Found found;
         for (std::size_t id = 0; id < all.size(); ++id) {
             if (name.empty() || all[id].name.empty()) continue;
-            if (shown_[id] != name && !DeviceTexts::is_once_exported(all[id].name, name)) continue;
+            if (display_names_[id] != name && !DeviceTexts::is_once_exported(all[id].name, name)) continue;
             if (found.parameter != nullptr) return {nullptr, true};
             found.parameter = &all[id];
         }
@@ -96,7 +96,7 @@ protected:
         const auto [rest, fault] = std::from_chars(word.data() + end + 1, word.data() + word.size(), id);
         if (fault != std::errc{} || rest != word.data() + word.size() || id >= all.size()) return nullptr;
         const std::string_view name = word.substr(0, end);
-        return shown_[id] == name || is_marked(shown_[id], name) ? &all[id] : nullptr;
+        return display_names_[id] == name || is_marked(display_names_[id], name) ? &all[id] : nullptr;
     }
     /// nullptr if there is no parameter with this name or number; the work has then ended.
     const ano::host::ParameterInfo* parameter(const std::string& word) {
@@ -128,8 +128,8 @@ protected:
 
 private:
     Parameters* parameters_ = nullptr;
-    std::vector<std::string> shown_;                        // names for clients
-    const ano::host::ParameterInfo* shown_of_ = nullptr;    // the descriptions that they belong to
+    std::vector<std::string> display_names_;                        // names for clients
+    const ano::host::ParameterInfo* display_names_of_ = nullptr;    // the descriptions that they belong to
 };
 
 class ReadAll final : public ParameterWork {
@@ -154,12 +154,12 @@ private:
         end_->status = 200;
     }
     void look(TimePoint) override {
-        if (end_ && !end()) tell();
+        if (end_ && !end()) report();
     }
     const std::vector<ano::host::ParameterInfo>& rows() const { return known_ ? *known_ : parameters().descriptions(); }
     std::optional<ano::host::AnyValue> value(std::uint16_t id) const { return known_ ? std::nullopt : parameters().value(id); }
     // Adds a few rows per call: called again until the work has ended.
-    void tell() {
+    void report() {
         const auto& all = rows();
         const auto& device = place().device;
         if (!text_) {
@@ -168,13 +168,13 @@ private:
             text_.emplace(head, "parameters");
             end_of_rows_ = rows_that_came();
         }
-        for (std::size_t n = 0; n < RowsText::rows_a_turn && told_ < end_of_rows_; ++n, ++told_) {
-            ano::host::ParameterInfo row = all[told_];
-            row.id = static_cast<std::uint16_t>(told_);
+        for (std::size_t n = 0; n < RowsText::rows_a_turn && listed_ < end_of_rows_; ++n, ++listed_) {
+            ano::host::ParameterInfo row = all[listed_];
+            row.id = static_cast<std::uint16_t>(listed_);
             if (is_wanted(row)) text_->add(ParameterWork::row(row, value(row.id), order_.values));
         }
         if (text_->size() > RowsText::max_bytes) return finish(too_many_bytes(device.address()));
-        if (told_ < end_of_rows_) return;
+        if (listed_ < end_of_rows_) return;
         Json tail = Json::object();
         if (end_of_rows_ < all.size()) tail["missing_from"] = end_of_rows_;
         if (!end_->error.empty()) tail["incomplete"] = end_->error;
@@ -196,7 +196,7 @@ private:
     std::optional<std::vector<ano::host::ParameterInfo>> known_;    // read before
     std::optional<WorkEnd> end_;
     std::optional<RowsText> text_;
-    std::size_t told_ = 0, end_of_rows_ = 0;
+    std::size_t listed_ = 0, end_of_rows_ = 0;
 };
 
 class ReadOne final : public ParameterWork {
@@ -224,22 +224,22 @@ public:
 
 private:
     void done(const Task& task, TimePoint now) override {
-        if (write_ != nullptr) return tell(*task.end());
+        if (write_ != nullptr) return report(*task.end());
         const ano::host::ParameterInfo* const info = parameter(name_);
         if (info == nullptr) return;
         const auto given = value_in(Json::parse(json_), info->type);
         if (!given) return finish(work_fault(422, "the value must be a number or text"));
         const auto value = texts().wire(*given);
         if (!value) return finish(work_fault(422, name_ + ": the text " + texts().misfit()));
-        limits_.max_bytes = place().net.manners(place().device.address()).text.max_bytes;
+        limits_.max_bytes = place().net.device_limits(place().device.address()).text.max_bytes;
         auto write = std::make_unique<ParameterWrite>(place().device, *info, *value, limits_);
         write->set_before(parameters().bytes(info->id), parameters().doubts());
         write_ = &next(std::move(write));
         write_->start(now);
     }
-    void tell(const ano::host::End& end) {
+    void report(const ano::host::End& end) {
         const ano::host::ParameterInfo& info = write_->info();
-        Json result{{"id", info.id}, {"name", texts().shown(info.name)}, {"type", name_of(*info.type)}};
+        Json result{{"id", info.id}, {"name", texts().display_text(info.name)}, {"type", name_of(*info.type)}};
         if (const auto before = write_->before()) result["was"] = value_json(*before, info.type, texts());
         result["written"] = value_json(write_->written(), info.type, texts());
         result["stored"] = value_json(*write_->stored(), info.type, texts());
@@ -316,12 +316,12 @@ private:
                                         .dry_run = order_.dry_run,
                                         .also_the_same = order_.also_the_same,
                                         .goes_on = order_.goes_on && !order_.rollback,
-                                        .text = place().net.manners(place().device.address()).text};
+                                        .text = place().net.device_limits(place().device.address()).text};
         if (std::any_of(ids.begin(), ids.end(), [](const auto& id) { return id.has_value(); })) options.ids = std::move(ids);
         options.text.longer = order_.longer;
         options.text.beyond_range = order_.force;
         options.same_text = [texts = texts()](const std::string& one, const std::string& other) {
-            return texts.shown(one) == texts.shown(other);
+            return texts.display_text(one) == texts.display_text(other);
         };
         apply_ = &next(std::make_unique<ParameterApply>(place().device, &place().cache, values, options));
         apply_->start(now);
@@ -330,11 +330,11 @@ private:
     WorkEnd no_file_of_it(std::size_t strangers) const {
         constexpr std::size_t max_names = 5;
         std::string names;
-        std::size_t told = 0;
+        std::size_t listed = 0;
         for (const Given& given : given_)
-            if (!given.is_known && told < max_names) names += (told++ == 0 ? "" : ", ") + ano::in_quotes(given.name);
+            if (!given.is_known && listed < max_names) names += (listed++ == 0 ? "" : ", ") + ano::in_quotes(given.name);
         return work_fault(
-            422, "nothing was written: unknown parameters  " + names + " and " + std::to_string(strangers - told) + " more");
+            422, "nothing was written: unknown parameters  " + names + " and " + std::to_string(strangers - listed) + " more");
     }
     // Also reports what is half done.
     void failed(const Task& task, TimePoint) override {
@@ -361,13 +361,14 @@ private:
             const Given& given = given_[i++];
             const auto type = given.type;
             const auto state = static_cast<std::size_t>(row.state);
-            Json json{{"name", given.is_known ? texts().shown(row.name) : given.name}};
+            Json json{{"name", given.is_known ? texts().display_text(row.name) : given.name}};
             if (row.before) json["was"] = value_json(*row.before, type, texts());
             json["written"] = given.unwritable ? Json(*given.unwritable) : value_json(row.wanted, type, texts());
             if (row.stored && !order_.dry_run) json["stored"] = value_json(*row.stored, type, texts());
             json["clamped"] = row.state == ParameterApply::State::clamped;
             json["state"] = order_.dry_run && state < std::size(dry_states) ? dry_states[state] : apply_states[state];
-            if (!row.what.empty()) json["what"] = given.is_known ? texts().shown(row.what) : "unknown parameter " + given.name;
+            if (!row.what.empty())
+                json["what"] = given.is_known ? texts().display_text(row.what) : "unknown parameter " + given.name;
             if (given.unwritable) {
                 json["state"] = dry_states[0];
                 json["encodable"] = false;

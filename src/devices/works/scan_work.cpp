@@ -37,7 +37,7 @@ public:
             finish(work_fault(403, unsent.why));
     }
     void cancel(TimePoint) override { finish({409, {}, "cancelled", "refused", {}, true}); }
-    void hear(ano::FrameView frame, TimePoint) override {
+    void receive(ano::FrameView frame, TimePoint) override {
         if (frame.id() == ano::id_of<"device_info">) answered_.set(frame.source());
     }
     ano::host::Progress progress() const override { return {answered_.count(), 0}; }

@@ -31,7 +31,7 @@ static_assert(std::size(meanings) == ano::host::ending_names.size());
 
 WorkEnd end_of(const ano::host::End& end, const DeviceTexts& texts) {
     const Meaning& meaning = meanings[static_cast<std::size_t>(end.ending)];
-    return {meaning.status, {}, texts.shown(end.what), meaning.what, end.evidence, end.ending == Ending::cancelled};
+    return {meaning.status, {}, texts.display_text(end.what), meaning.what, end.evidence, end.ending == Ending::cancelled};
 }
 
 WorkEnd work_fault(unsigned status, std::string error) {

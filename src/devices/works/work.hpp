@@ -63,7 +63,7 @@ public:
     /// The current action, as text for the user.
     virtual std::string message() const { return {}; }
     /// Called for every passing frame, in addition to Device::take(). Must not send.
-    virtual void hear(ano::FrameView /*frame*/, ano::TimePoint /*now*/) {}
+    virtual void receive(ano::FrameView /*frame*/, ano::TimePoint /*now*/) {}
     /// The half-done state if it is stopped now, when cancel() does not end it at once.
     virtual std::string half_done() const { return "it is unchanged"; }
     /// When run() must be called, in addition to Device::due().

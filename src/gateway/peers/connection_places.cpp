@@ -15,7 +15,7 @@ ConnectionPlaces::Place ConnectionPlaces::place_for(std::span<const Connection> 
 
     std::optional<std::size_t> oldest;
     for (std::size_t i = 0; i < all.size(); ++i) {
-        const bool may_go = !all[i].has_spoken && now - all[i].since >= silent_after && (is_trusted || is_ordinary(all[i])) &&
+        const bool may_go = !all[i].has_sent_frame && now - all[i].since >= silent_after && (is_trusted || is_ordinary(all[i])) &&
                             (!address_is_full || is_of_address(all[i]));
         if (may_go && (!oldest || all[i].since < all[*oldest].since)) oldest = i;
     }

@@ -12,15 +12,15 @@ PeerBook::Place PeerBook::place_for(const Endpoint& stranger, TimePoint now, Ran
     const bool address_full = !local && of_address >= options_.max_of_address;
     if (!address_full && has_free_place(rank)) return {true, std::nullopt};
 
-    const bool again = knocks_again(stranger, now);
+    const bool again = keeps_retrying(stranger, now);
     std::optional<ChannelId> longest_silent;
     for (const ChannelId id : used_) {
         const Peer& p = peer(id);
-        if (address_full ? p.endpoint.address != address : !may_give_way(p, rank)) continue;
+        if (address_full ? p.endpoint.address != address : !may_be_evicted(p, rank)) continue;
         const bool has_more = address_full || places_of(p.endpoint.address) > of_address + 1;
-        const bool gives_way = is_silent(p, now) ? again || !p.came_again : again && !p.came_again && has_more;
-        const bool is_of_us = local && p.endpoint.address.is_loopback() && (again || !p.came_again);
-        if (!gives_way && !is_of_us) continue;
+        const bool is_evictable = is_silent(p, now) ? again || !p.has_returned : again && !p.has_returned && has_more;
+        const bool is_of_us = local && p.endpoint.address.is_loopback() && (again || !p.has_returned);
+        if (!is_evictable && !is_of_us) continue;
         if (!longest_silent || p.heard_at < peer(*longest_silent).heard_at) longest_silent = id;
     }
     if (!longest_silent && rank == Rank::commands && !address_full && options_.kept > 0) longest_silent = last_that_commands(now);
@@ -43,7 +43,7 @@ bool PeerBook::has_free_place(Rank rank) const noexcept {
 }
 
 // The number of peers of higher ranks must not fall below their reserve.
-bool PeerBook::may_give_way(const Peer& p, Rank to) const noexcept {
+bool PeerBook::may_be_evicted(const Peer& p, Rank to) const noexcept {
     if (p.rank <= to) return true;
     if (p.rank == Rank::trusted && count(Rank::trusted) <= options_.kept_for_trusted) return false;
     return to != Rank::ordinary || count(Rank::commands) > options_.kept;
@@ -64,22 +64,22 @@ std::size_t PeerBook::places_of(const IpAddress& address) const noexcept {
 }
 
 // An address may use only few rows here too, so that it can't replace the entries of all others.
-bool PeerBook::knocks_again(const Endpoint& stranger, TimePoint now) {
-    Knock* oldest = knocks_.data();
-    Knock* oldest_of_address = nullptr;
+bool PeerBook::keeps_retrying(const Endpoint& stranger, TimePoint now) {
+    RejectedSender* oldest = rejected_.data();
+    RejectedSender* oldest_of_address = nullptr;
     std::size_t of_address = 0;
-    for (Knock& knock : knocks_) {
-        if (knock.endpoint == stranger) {
-            if (now - knock.last >= options_.timeout) knock.first = now;
-            knock.last = now;
-            return now - knock.first >= exchange;
+    for (RejectedSender& rejected : rejected_) {
+        if (rejected.endpoint == stranger) {
+            if (now - rejected.last >= options_.timeout) rejected.first = now;
+            rejected.last = now;
+            return now - rejected.first >= exchange;
         }
-        if (knock.last < oldest->last) oldest = &knock;
-        if (knock.endpoint.address != stranger.address) continue;
+        if (rejected.last < oldest->last) oldest = &rejected;
+        if (rejected.endpoint.address != stranger.address) continue;
         ++of_address;
-        if (!oldest_of_address || knock.last < oldest_of_address->last) oldest_of_address = &knock;
+        if (!oldest_of_address || rejected.last < oldest_of_address->last) oldest_of_address = &rejected;
     }
-    *(of_address >= max_knocks_of_address ? oldest_of_address : oldest) = {stranger, now, now};
+    *(of_address >= max_rejected_of_address ? oldest_of_address : oldest) = {stranger, now, now};
     return false;
 }
 
@@ -96,7 +96,7 @@ void PeerBook::add(ChannelId id, const Endpoint& endpoint, bool near, TimePoint 
 void PeerBook::heard(ChannelId id, std::uint8_t source, TimePoint now) noexcept {
     Peer& p = peer(id);
     p.heard_at = now;
-    p.came_again = p.came_again || now - p.exchange_began >= exchange;
+    p.has_returned = p.has_returned || now - p.exchange_began >= exchange;
     p.is_host = p.is_host || ano::address::is_host(source);
     p.refusals = 0;
     p.is_gone = false;
@@ -104,14 +104,14 @@ void PeerBook::heard(ChannelId id, std::uint8_t source, TimePoint now) noexcept 
 
 PeerBook::Memory PeerBook::memory(ChannelId id) const noexcept {
     const Peer& p = peer(id);
-    return {p.heard_at, p.is_host, p.came_again, p.once, p.rank == Rank::commands};
+    return {p.heard_at, p.is_host, p.has_returned, p.once, p.rank == Rank::commands};
 }
 
 void PeerBook::remember(ChannelId id, const Memory& memory) noexcept {
     Peer& p = peer(id);
     p.heard_at = p.exchange_began = memory.heard_at;
     p.is_host = memory.is_host;
-    p.came_again = memory.came_again;
+    p.has_returned = memory.has_returned;
     p.once = memory.once;
     if (memory.commands) commanded(id);
 }

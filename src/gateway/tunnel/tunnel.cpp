@@ -146,7 +146,7 @@ bool Tunnel::admits(const Endpoint& sender) {
     return true;
 }
 
-bool Tunnel::in(ano::FrameView frame, const IpAddress& sender, const Take& take) {
+bool Tunnel::in(ano::FrameView frame, const IpAddress& sender, const OnFrame& on_frame) {
     const auto content = unwrap(frame, sender);
     if (!content) {
         refuse(&TunnelCounters::tunnel_malformed);
@@ -159,7 +159,7 @@ bool Tunnel::in(ano::FrameView frame, const IpAddress& sender, const Take& take)
     InnerFrames frames{content->inner};
     bool taken = false;
     while (const auto inner = frames.next()) {
-        take(*inner);
+        on_frame(*inner);
         taken = true;
     }
     if (!frames.good()) refuse(&TunnelCounters::tunnel_bad_inner);
@@ -228,20 +228,20 @@ void Tunnel::start_wrap() noexcept {
     wrap_.begin(rule.id, rule.source, rule.to, wrap_max_data_);
 }
 
-void Tunnel::add_to_wrap(ano::FrameView frame, const Take& send) {
+void Tunnel::add_to_wrap(ano::FrameView frame, const OnFrame& send) {
     if (wrap_.add(frame)) return;
     send_wrap(send);
     if (!wrap_.add(frame)) refuse(&TunnelCounters::tunnel_too_big);
 }
 
-void Tunnel::send_wrap(const Take& send) {
+void Tunnel::send_wrap(const OnFrame& send) {
     if (wrap_.empty()) return;
     ++counters_.wrapped;
     send(wrap_.finish(wrap_head_));
     start_wrap();
 }
 
-void Tunnel::end_wrap(const Take& send) {
+void Tunnel::end_wrap(const OnFrame& send) {
     if (wrapping_) send_wrap(send);
     wrapping_.reset();
     refused_wrap_ = false;

@@ -34,8 +34,8 @@ std::string request_text(const Request& request) {
 /// The time after which a request may be repeated if the gateway had no free place; 0: not at all.
 ano::Duration retry_after(const Answer& answer) {
     unsigned wait = 0;
-    const std::string_view said = answer.header("Retry-After");
-    std::from_chars(said.data(), said.data() + said.size(), wait);
+    const std::string_view wait_text = answer.header("Retry-After");
+    std::from_chars(wait_text.data(), wait_text.data() + wait_text.size(), wait);
     return answer.status == 503 ? std::chrono::seconds{std::min(wait, 60U)} : ano::Duration{};
 }
 
@@ -56,8 +56,8 @@ public:
     std::unique_ptr<WebSocketUser> user;
 
     void start() {
-        give_up_at_ = Clock::now() + limits_.patience;
-        deadline_.expires_at(give_up_at_);
+        expires_at_ = Clock::now() + limits_.patience;
+        deadline_.expires_at(expires_at_);
         deadline_.async_wait([self = shared_from_this()](error_code ec) {
             if (!ec)
                 self->fail("the gateway at " + self->path_ + " did not answer within " + seconds_text(self->limits_.patience));
@@ -95,7 +95,7 @@ private:
     void join() {
         deadline_.cancel();
         web_socket_ = join_web_socket(io_, std::move(stream_), request_, std::move(user), limits_.web_socket,
-                                      give_up_at_ - Clock::now(),
+                                      expires_at_ - Clock::now(),
                                       [self = shared_from_this()](Outcome outcome) { self->finish(std::move(outcome)); });
     }
 
@@ -117,7 +117,7 @@ private:
             self->input_.erase(0, self->reader_.put(self->input_));
             if (ec && self->reader_.fault().empty()) self->reader_.end();
             if (ec && !self->reader_.is_done()) return self->ended_early();
-            self->hear();
+            self->receive();
             if (self->stream_) self->read();
         });
     }
@@ -127,7 +127,7 @@ private:
                        : "the program at " + path_ + " closed the connection without a response");
     }
 
-    void hear() {
+    void receive() {
         if (!has_head_ && reader_.has_head()) {
             has_head_ = true;
             answer_.status = reader_.status();
@@ -135,22 +135,22 @@ private:
             if (line && answer_.status == 200) deadline_.cancel();
         }
         if (has_head_ && answer_.header("Server") != "anogate") return fail("the program at " + path_ + " is not a gateway");
-        if (has_head_ && !(line && answer_.status == 200 ? hear_lines() : hear_body())) return;
+        if (has_head_ && !(line && answer_.status == 200 ? receive_lines() : receive_body())) return;
         if (reader_.is_done()) return answered();
         if (reader_.fault().empty()) return;
         fail("the program at " + path_ + (has_head_ ? " sent an invalid response: " : " is not a gateway: ") + reader_.fault());
     }
 
-    bool hear_body() {
-        answer_.body += reader_.take_body();
+    bool receive_body() {
+        answer_.body += reader_.pop_body();
         if (answer_.body.size() <= limits_.body) return true;
         fail("the response of the gateway is longer than " + std::to_string(limits_.body) + " bytes");
         return false;
     }
 
     // False: a callback or a line that is too long has ended the exchange.
-    bool hear_lines() {
-        lines_ += reader_.take_body();
+    bool receive_lines() {
+        lines_ += reader_.pop_body();
         std::size_t begin = 0;
         for (std::size_t end = 0; (end = lines_.find('\n', begin)) != std::string::npos; begin = end + 1) {
             line(std::string_view{lines_}.substr(begin, end - begin));
@@ -164,7 +164,7 @@ private:
 
     void answered() {
         const ano::Duration wait = retry_after(answer_);
-        if (wait == ano::Duration{} || line || Clock::now() + wait >= give_up_at_) return finish({{}, std::move(answer_)});
+        if (wait == ano::Duration{} || line || Clock::now() + wait >= expires_at_) return finish({{}, std::move(answer_)});
         stream_->close();
         stream_.reset();
         reader_ = ResponseReader{};
@@ -205,7 +205,7 @@ private:
     const Request request_;
     Done done_;    // empty: the exchange has ended
     asio::steady_timer deadline_, pause_;
-    ano::TimePoint give_up_at_{};
+    ano::TimePoint expires_at_{};
     std::unique_ptr<Stream> stream_;
     std::shared_ptr<OpenWebSocket> web_socket_;
     std::string output_;

@@ -73,6 +73,6 @@ std::vector<Field> ResponseReader::headers() const {
     return fields;
 }
 
-std::string ResponseReader::take_body() { return std::exchange(parser_->get().body(), {}); }
+std::string ResponseReader::pop_body() { return std::exchange(parser_->get().body(), {}); }
 
 }    // namespace anogate::http

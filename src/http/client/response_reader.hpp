@@ -33,7 +33,7 @@ public:
     unsigned status() const;
     std::vector<Field> headers() const;
     /// The part of the body that was received since the last call.
-    std::string take_body();
+    std::string pop_body();
 
 private:
     struct Parser;

@@ -9,7 +9,7 @@ namespace anogate::http {
 namespace {
 
 /// Removes the text before the next `separator` from the front of `rest` and returns it.
-std::string_view take(std::string_view& rest, char separator) {
+std::string_view next_token(std::string_view& rest, char separator) {
     const auto end = std::min(rest.find(separator), rest.size());
     const std::string_view word = rest.substr(0, end);
     rest.remove_prefix(std::min(end + 1, rest.size()));
@@ -33,13 +33,13 @@ unsigned thousandths(std::string_view text) {
 std::optional<unsigned> quality(std::string_view accept, std::string_view type, std::string_view version) {
     std::optional<unsigned> best;
     while (!accept.empty()) {
-        std::string_view entry = take(accept, ',');
-        if (!same_word(take(entry, ';'), type)) continue;
+        std::string_view entry = next_token(accept, ',');
+        if (!same_word(next_token(entry, ';'), type)) continue;
         unsigned wanted = 1000;
         bool is_meant = true;
         while (!entry.empty()) {
-            std::string_view parameter = take(entry, ';');
-            const std::string_view name = take(parameter, '=');
+            std::string_view parameter = next_token(entry, ';');
+            const std::string_view name = next_token(parameter, '=');
             if (same_word(name, "q")) wanted = thousandths(parameter);
             if (same_word(name, "version") && !version.empty()) is_meant = parameter == version;
         }

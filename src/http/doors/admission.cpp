@@ -145,7 +145,7 @@ std::optional<Response> Admission::refusal(const Request& request) const {
         return error(403, "unknown host name '" + std::string{host} + "'; add it to control.hosts");
     if (!origin.empty() && !may_ask(origin, host, request.door.is_encrypted))
         return error(403, "pages of '" + std::string{origin} + "' may not use this gateway; add them to control.origins");
-    const bool is_told = request.body_to_come > 0 && request.body_to_come != in_chunks;
+    const bool is_told = request.body_length > 0 && request.body_length != in_chunks;
     if ((!request.body.empty() || request.stored || is_told) && !is_plain_data(request.header("Content-Type")))
         return error(415, "Content-Type must be application/json or application/octet-stream");
     return std::nullopt;
@@ -216,7 +216,7 @@ ano::Duration Admission::count_wrong(const Door& door, ano::TimePoint now) {
     const auto slowed = attempts_.slowed_for(door.peer, now);
     if (slowed > ano::Duration{}) return slowed;
     const auto news = attempts_.failed(door.peer, now);
-    if (news.is_told && tells_guessing_) tells_guessing_(door.peer, news);
+    if (news.is_told && on_guessing_) on_guessing_(door.peer, news);
     return slowed;
 }
 

@@ -75,8 +75,8 @@ public:
     /// Clients whose wrong tokens were slowed down.
     std::uint64_t guessing_clients() const noexcept { return attempts_.slowed(); }
     /// `call` is called with the address of a client when its wrong tokens are slowed down for the first time: a few times a minute.
-    using TellGuessing = std::function<void(const std::string& peer, const Attempts::News& news)>;
-    void on_guessing(TellGuessing call) { tells_guessing_ = std::move(call); }
+    using OnGuessing = std::function<void(const std::string& peer, const Attempts::News& news)>;
+    void on_guessing(OnGuessing call) { on_guessing_ = std::move(call); }
 
 private:
     std::optional<Response> refusal(const Request& request) const;
@@ -92,7 +92,7 @@ private:
     AdmissionRules rules_;
     Attempts attempts_;
     std::uint64_t wrong_tokens_ = 0;
-    TellGuessing tells_guessing_;
+    OnGuessing on_guessing_;
 };
 
 }    // namespace anogate::http

@@ -26,9 +26,9 @@ Attempts::News Attempts::failed(const std::string& peer, ano::TimePoint now) {
 
 Attempts::News Attempts::news(ano::TimePoint now) {
     ++slowed_;
-    if (told_ == 0 || now - told_since_ >= window) told_ = 0, told_since_ = now;
-    if (told_ == max_told) return ++untold_, News{};
-    return {true, std::exchange(untold_, 0), ++told_ == max_told};
+    if (logged_ == 0 || now - logged_since_ >= window) logged_ = 0, logged_since_ = now;
+    if (logged_ == max_logged) return ++unlogged_, News{};
+    return {true, std::exchange(unlogged_, 0), ++logged_ == max_logged};
 }
 
 }    // namespace anogate::http

@@ -17,15 +17,15 @@ public:
     /// The time for which wrong tokens of `peer` are still slowed down; zero: they are not.
     ano::Duration slowed_for(const std::string& peer, ano::TimePoint now) const;
     struct News {
-        bool is_told = false;        // log it: this client is slowed down for the first time (unless it was forgotten meanwhile)
-        std::uint64_t untold = 0;    // clients before it that were not logged
-        bool is_last = false;        // further clients are not logged within this minute
+        bool is_told = false;    // log it: this client is slowed down for the first time (unless it was forgotten meanwhile)
+        std::uint64_t unlogged = 0;    // clients before it that were not logged
+        bool is_last = false;          // further clients are not logged within this minute
     };
     News failed(const std::string& peer, ano::TimePoint now);
     /// Number of clients that were slowed down, each counted at its first time.
     std::uint64_t slowed() const noexcept { return slowed_; }
 
-    static constexpr std::size_t max_failures = 10, max_peers = 256, max_told = 10;    // max_told: logged within a window
+    static constexpr std::size_t max_failures = 10, max_peers = 256, max_logged = 10;    // max_logged: logged within a window
     static constexpr ano::Duration window = std::chrono::minutes{1};
 
 private:
@@ -36,9 +36,9 @@ private:
     News news(ano::TimePoint now);
 
     std::map<std::string, Client> clients_;
-    std::uint64_t slowed_ = 0, untold_ = 0;
-    std::size_t told_ = 0;    // since told_since_
-    ano::TimePoint told_since_{};
+    std::uint64_t slowed_ = 0, unlogged_ = 0;
+    std::size_t logged_ = 0;    // since logged_since_
+    ano::TimePoint logged_since_{};
 };
 
 }    // namespace anogate::http

@@ -36,25 +36,26 @@ struct Lobby::State : std::enable_shared_from_this<State> {
         WaitingConnection facts;
     };
 
-    State(asio::io_context& its_io, bool encrypts, ano::Duration its_patience, GaveWay& counted, HasPlace asked, Admit of_owner)
+    State(asio::io_context& its_io, bool encrypts, ano::Duration its_patience, EvictionCounter& counted, HasPlace asked,
+          Admit of_owner)
         : pause{its_io},
           end_of_patience{its_io},
           is_encrypted{encrypts},
           patience{its_patience},
-          gave_way{counted},
+          evicted{counted},
           has_place{std::move(asked)},
           admit{std::move(of_owner)} {}
 
-    void add(Socket socket, std::uint64_t party, bool goes_first) {
+    void add(Socket socket, std::uint64_t client_id, bool has_priority) {
         if (is_gone(socket, is_encrypted)) return;
         while (all.size() >= places_now())
-            if (!give_way(goes_first)) return count_one();
+            if (!evict_one(has_priority)) return count_one();
         const auto one = std::make_shared<One>(
-            One{std::move(socket), {party, ano::Clock::now(), WaitingConnection::Stage::silent, goes_first, false}});
+            One{std::move(socket), {client_id, ano::Clock::now(), WaitingConnection::Stage::silent, has_priority, false}});
         all.push_back(one);
         one->socket.async_wait(Socket::wait_read, [self = shared_from_this(), weak = std::weak_ptr{one}](error_code ec) {
             const auto heard = weak.lock();
-            if (heard && !ec) self->hear(heard);
+            if (heard && !ec) self->receive(heard);
         });
         end_silent_later();
     }
@@ -65,17 +66,17 @@ struct Lobby::State : std::enable_shared_from_this<State> {
         return free <= links ? 1 : std::clamp<std::size_t>((free - links) / 2, 1, places);
     }
 
-    void hear(const std::shared_ptr<One>& one) {
+    void receive(const std::shared_ptr<One>& one) {
         if (is_gone(one->socket, is_encrypted)) return static_cast<void>(std::erase(all, one));
         one->facts.stage = WaitingConnection::Stage::its_turn;
         let_in();
     }
 
-    bool give_way(bool for_first) {
-        auto leaves = anogate::gives_way(facts(), for_first);
+    bool evict_one(bool for_priority) {
+        auto leaves = anogate::next_evicted(facts(), for_priority);
         while (leaves && is_silent(all[*leaves]) && has_sent(all[*leaves]->socket)) {    // the loop has not noticed yet
             all[*leaves]->facts.stage = WaitingConnection::Stage::its_turn;
-            leaves = anogate::gives_way(facts(), for_first);
+            leaves = anogate::next_evicted(facts(), for_priority);
         }
         if (!leaves) return false;
         all.erase(all.begin() + static_cast<std::ptrdiff_t>(*leaves));
@@ -83,8 +84,8 @@ struct Lobby::State : std::enable_shared_from_this<State> {
         return true;
     }
     void count_one() {
-        ++gave_way.count;
-        gave_way.last = ano::Clock::now();
+        ++evicted.count;
+        evicted.last = ano::Clock::now();
     }
 
     static bool is_silent(const std::shared_ptr<One>& one) { return one->facts.stage == WaitingConnection::Stage::silent; }
@@ -149,19 +150,22 @@ struct Lobby::State : std::enable_shared_from_this<State> {
     asio::steady_timer pause, end_of_patience;
     bool is_encrypted;
     ano::Duration patience;
-    GaveWay& gave_way;
+    EvictionCounter& evicted;
     HasPlace has_place;
     Admit admit;
     std::vector<std::shared_ptr<One>> all{};    // in the order of their arrival
     bool looks_again = false, ends_silent = false, is_closed = false;
 };
 
-Lobby::Lobby(asio::io_context& io, bool is_encrypted, ano::Duration patience, GaveWay& gave_way, HasPlace has_place, Admit admit)
-    : state_{std::make_shared<State>(io, is_encrypted, patience, gave_way, std::move(has_place), std::move(admit))} {}
+Lobby::Lobby(asio::io_context& io, bool is_encrypted, ano::Duration patience, EvictionCounter& evicted, HasPlace has_place,
+             Admit admit)
+    : state_{std::make_shared<State>(io, is_encrypted, patience, evicted, std::move(has_place), std::move(admit))} {}
 
 Lobby::~Lobby() { state_->close(); }
 
-void Lobby::add(Socket socket, std::uint64_t party, bool goes_first) { state_->add(std::move(socket), party, goes_first); }
-bool Lobby::give_way() { return state_->give_way(true); }
+void Lobby::add(Socket socket, std::uint64_t client_id, bool has_priority) {
+    state_->add(std::move(socket), client_id, has_priority);
+}
+bool Lobby::evict_one() { return state_->evict_one(true); }
 
 }    // namespace anogate::http

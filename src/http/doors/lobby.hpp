@@ -13,7 +13,7 @@
 namespace anogate::http {
 
 /// Counts waiting connections that were closed to make room for others.
-struct GaveWay {
+struct EvictionCounter {
     std::uint64_t count = 0;
     ano::TimePoint last{};
 };
@@ -25,16 +25,17 @@ public:
     using Admit = std::function<void(Socket socket)>;
 
     /// Calls `admit` for a connection whose client has sent something, when `has_place` returns true. If `admit` throws
-    /// std::bad_alloc, the connection is closed. A connection that is silent for `patience` is closed. Counts in `gave_way`.
-    Lobby(asio::io_context& io, bool is_encrypted, ano::Duration patience, GaveWay& gave_way, HasPlace has_place, Admit admit);
+    /// std::bad_alloc, the connection is closed. A connection that is silent for `patience` is closed. Counts in `evicted`.
+    Lobby(asio::io_context& io, bool is_encrypted, ano::Duration patience, EvictionCounter& evicted, HasPlace has_place,
+          Admit admit);
     ~Lobby();
     Lobby(const Lobby&) = delete;
     Lobby& operator=(const Lobby&) = delete;
 
-    /// `party`: see WaitingConnection. If too many wait, or too few descriptors are left, one of the party with most of them is closed.
-    void add(Socket socket, std::uint64_t party, bool goes_first);
+    /// `client_id`: see WaitingConnection. If too many wait, or too few descriptors are left, one of the party with most of them is closed.
+    void add(Socket socket, std::uint64_t client_id, bool has_priority);
     /// Closes one connection, to free a descriptor. False: none waits.
-    bool give_way();
+    bool evict_one();
 
 private:
     struct State;

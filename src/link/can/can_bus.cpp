@@ -43,15 +43,15 @@ void CanBus::note(const can_frame& frame, TimePoint now) noexcept {
     for (std::size_t i = 0; i < error_kinds; ++i)
         if (frame.can_id & anogate::error_kinds[i].flag) ++kinds_[i];
     if (frame.can_id & CAN_ERR_CRTL) {
-        const std::uint8_t said = frame.data[1];
-        if (said & (CAN_ERR_CRTL_RX_OVERFLOW | CAN_ERR_CRTL_TX_OVERFLOW)) seen(overflow, now);
-        if (said & (CAN_ERR_CRTL_RX_PASSIVE | CAN_ERR_CRTL_TX_PASSIVE)) {
+        const std::uint8_t error_bits = frame.data[1];
+        if (error_bits & (CAN_ERR_CRTL_RX_OVERFLOW | CAN_ERR_CRTL_TX_OVERFLOW)) seen(overflow, now);
+        if (error_bits & (CAN_ERR_CRTL_RX_PASSIVE | CAN_ERR_CRTL_TX_PASSIVE)) {
             seen(passive, now);
             state_ = State::passive;
-        } else if (said & (CAN_ERR_CRTL_RX_WARNING | CAN_ERR_CRTL_TX_WARNING)) {
+        } else if (error_bits & (CAN_ERR_CRTL_RX_WARNING | CAN_ERR_CRTL_TX_WARNING)) {
             seen(warning, now);
             state_ = State::warning;
-        } else if (said & CAN_ERR_CRTL_ACTIVE) {
+        } else if (error_bits & CAN_ERR_CRTL_ACTIVE) {
             state_ = State::active;
         }
     }

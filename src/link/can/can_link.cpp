@@ -40,7 +40,7 @@ void CanLink::start() {
 }
 
 Opened<void> CanLink::open() {
-    auto stored = context_.host.take_stored(*this);
+    auto stored = context_.host.claim_stored(*this);
     auto wire = check_can_interface(can()).and_then([&] { return open_wire(stored ? std::move(stored->wire) : UniqueFd{}); });
     if (!wire) return NotOpened{std::move(wire.error())};
     reconnect_.came_up(context_.host.now());
@@ -114,11 +114,11 @@ void CanLink::heard_on_bus() noexcept {
     if (bus_.state() == CanBus::State::off) bus_.came_up();
 }
 
-void CanLink::wait_for_room(bool kernel_tells) {
+void CanLink::wait_for_room(bool kernel_notifies) {
     const TimePoint now = context_.host.now();
     if (!blocked_since_) blocked_since_ = now;
     channel_->outbox.set_congested();
-    if (kernel_tells && !woken_) {
+    if (kernel_notifies && !woken_) {
         descriptor_.when_writable([this] {
             woken_ = true;
             write();

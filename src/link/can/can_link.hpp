@@ -36,9 +36,9 @@ protected:
 
     /// The connection is lost: closes it, reports `why`, and retries later.
     void fail(LinkError why);
-    /// Nothing more can be sent now: calls write() when there is room. `kernel_tells`: the kernel reports room (EAGAIN);
+    /// Nothing more can be sent now: calls write() when there is room. `kernel_notifies`: the kernel reports room (EAGAIN);
     /// otherwise it does not (ENOBUFS: the interface's own queue is full, perhaps with frames of other programs).
-    void wait_for_room(bool kernel_tells);
+    void wait_for_room(bool kernel_notifies);
     /// A CAN frame was received from the bus.
     void heard_on_bus() noexcept;
     /// At least one CAN frame was sent.

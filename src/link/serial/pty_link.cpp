@@ -104,10 +104,10 @@ void PtyLink::keep_path() {
         return;
     }
     watch_path();
-    if (!up_) context_.host.link_down(*this, nobody_there());
+    if (!up_) context_.host.link_down(*this, no_user_error());
 }
 
-void PtyLink::came_up() { context_.host.link_down(*this, nobody_there()); }
+void PtyLink::came_up() { context_.host.link_down(*this, no_user_error()); }
 
 // Our side reports POLLHUP while no program has the other side open. The data of the last program is read first.
 void PtyLink::look_for_users() {
@@ -131,13 +131,13 @@ void PtyLink::read_ended(int error) {
 // Discards the data that the last program did not read, and resets its terminal settings.
 void PtyLink::users_gone() {
     up_ = false;
-    context_.host.link_down(*this, nobody_there());
+    context_.host.link_down(*this, no_user_error());
     end_of_input();
     terminal::discard_output(fd());
     const UniqueFd user_side = open_user_side();
     if (!user_side) return fail(error_text(device_, errno));
     terminal::discard_input(user_side.get());
-    terminal::give_back(user_side.get());
+    terminal::release_exclusive(user_side.get());
     terminal::make_raw(user_side.get());
 }
 
@@ -167,7 +167,7 @@ std::size_t PtyLink::unsent() const {
     return user_side ? terminal::unread(user_side.get()) : 0;
 }
 
-LinkError PtyLink::nobody_there() const {
+LinkError PtyLink::no_user_error() const {
     const std::string& path = settings().as<PtySettings>().path;
     std::error_code ec;
     const fs::path leads_to = fs::read_symlink(path, ec);

@@ -33,7 +33,7 @@ private:
     void look_for_users();
     void users_gone();
     UniqueFd open_user_side() const;
-    LinkError nobody_there() const;
+    LinkError no_user_error() const;
 
     std::string device_;    // /dev/pts/N
     PathClaim claim_;       // so that only one gateway makes this path

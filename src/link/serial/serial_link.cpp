@@ -89,13 +89,13 @@ Opened<UniqueFd> SerialLink::open_port() {
 // A stored port is not opened again: that would reset many boards through the DTR line.
 Opened<UniqueFd> SerialLink::open_wire() {
     const std::string& device = settings().as<SerialSettings>().device;
-    auto stored = context_.host.take_stored(*this);
+    auto stored = context_.host.claim_stored(*this);
     const bool is_stored = stored && terminal::is_port_at(stored->wire.get(), device);
     auto fd = is_stored ? Opened<UniqueFd>{std::move(stored->wire)} : open_port();
     if (!fd) return fd;
     terminal::claim(fd->get());
     if (auto ready = make_ready(fd->get(), is_stored); !ready) {
-        terminal::give_back(fd->get());
+        terminal::release_exclusive(fd->get());
         return NotOpened{port_error("unusable", device + ": " + ready.error(), device)};
     }
     if (is_stored) go_on_from(std::move(*stored));
@@ -127,7 +127,7 @@ void SerialLink::leave_wire(int fd) {
     if (terminal::unsent(fd) > 0 || rs485_) terminal::discard_output(fd);
     if (rs485_) rs485_->close();
     if (rs485_by_driver_) terminal::disable_rs485(fd);
-    terminal::give_back(fd);
+    terminal::release_exclusive(fd);
     wire_ = -1;
 }
 

@@ -100,7 +100,7 @@ bool is_port_at(int fd, const std::string& path) noexcept {
 void claim(int fd) noexcept {
     if (!is_pseudo(fd)) ::ioctl(fd, TIOCEXCL);
 }
-void give_back(int fd) noexcept { ::ioctl(fd, TIOCNXCL); }
+void release_exclusive(int fd) noexcept { ::ioctl(fd, TIOCNXCL); }
 
 // First waits for the driver's buffer, by its size and the rate; then for the chip's buffer, if the driver reports it.
 void wait_until_sent(int fd, Duration byte_time, const std::atomic<bool>& stop) noexcept {

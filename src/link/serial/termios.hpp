@@ -18,10 +18,10 @@ void make_raw(int fd) noexcept;
 /// Whether `fd` is the device that is at `path` now, and not one that was unplugged or replaced.
 bool is_port_at(int fd, const std::string& path) noexcept;
 
-/// Prevents other users' programs (except root's) from opening the port, until give_back(). Does nothing for a pseudo-terminal,
+/// Prevents other users' programs (except root's) from opening the port, until release_exclusive(). Does nothing for a pseudo-terminal,
 /// where the lock would outlast this program.
 void claim(int fd) noexcept;
-void give_back(int fd) noexcept;
+void release_exclusive(int fd) noexcept;
 
 /// The name of the kernel driver of a port; empty: none, as for a pseudo-terminal.
 std::string driver(int fd);

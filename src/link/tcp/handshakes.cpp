@@ -1,8 +1,8 @@
 #include <link/tcp/handshakes.hpp>
 #include <link/tcp/tcp_session.hpp>
+#include <sys/background_task.hpp>
 #include <sys/descriptor.hpp>
 #include <sys/descriptors_left.hpp>
-#include <sys/errand.hpp>
 
 #include <fcntl.h>
 #include <sys/socket.h>
@@ -40,7 +40,7 @@ struct Handshakes::One {
     WaitingConnection facts{};
     std::shared_ptr<TlsConnection> tls{};    // set when the peer has sent something
     Descriptor socket;
-    Errand step;
+    BackgroundTask step;
 };
 
 Handshakes::Handshakes(const LinkContext& context, TlsContext& tls, Done done, Failed failed)
@@ -48,7 +48,7 @@ Handshakes::Handshakes(const LinkContext& context, TlsContext& tls, Done done, F
       tls_{tls},
       done_{std::move(done)},
       failed_{std::move(failed)},
-      turns_{context.alarms, [this] { give_turns(); }},
+      turns_{context.alarms, [this] { run_turns(); }},
       patience_{context.alarms,
                 [this] { end_those(TcpSession::handshake_patience, false, "the handshake was not finished within 10 s"); }},
       sweep_{context.alarms, [this] { ended_.clear(); }} {}
@@ -81,10 +81,10 @@ bool Handshakes::add(UniqueFd fd, const Endpoint& peer, bool is_trusted) {
 
 bool Handshakes::make_place(bool is_trusted) {
     while (all_.size() >= places || descriptors_left() < descriptors_of_links() + descriptors_of_one) {
-        const auto leaves = gives_way(facts(), is_trusted);
+        const auto leaves = next_evicted(facts(), is_trusted);
         if (!leaves) return false;
         remove(*all_[*leaves]);
-        gave_way_.add(context_.host.now());
+        evicted_.add(context_.host.now());
     }
     return true;
 }
@@ -130,7 +130,7 @@ void Handshakes::heard(One& one) try {
     fail(one, "there was too little memory for the handshake");
 }
 
-void Handshakes::give_turns() try {
+void Handshakes::run_turns() try {
     while (at_work_ < at_a_time) {
         const auto next = next_turn(facts(), places);
         if (!next) return;
@@ -147,7 +147,7 @@ void Handshakes::begin(One& one) {
     const bool has_thread = one.step.run([tls = one.tls, outcome] { *outcome = tls->go_on(); },
                                          [this, &one, outcome](const std::string&) {
                                              finished_step(one, *outcome);
-                                             give_turns();
+                                             run_turns();
                                          });
     if (!has_thread) finished_step(one, one.tls->go_on());
 }

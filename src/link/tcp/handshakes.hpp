@@ -41,7 +41,7 @@ public:
     /// make room is counted.
     bool add(UniqueFd fd, const Endpoint& peer, bool is_trusted);
     void close();
-    const Refusals& gave_way() const noexcept { return gave_way_; }
+    const Refusals& evicted() const noexcept { return evicted_; }
 
 private:
     struct One;
@@ -51,7 +51,7 @@ private:
     void end_those(Duration age, bool silent_alone, const std::string& why);
     void heard(One& one);
     void await(One& one);
-    void give_turns();
+    void run_turns();
     void begin(One& one);
     void finished_step(One& one, TlsConnection::Handshake outcome);
     void finish(One& one);
@@ -66,7 +66,7 @@ private:
     std::vector<std::unique_ptr<One>> all_;      // in order of arrival
     std::vector<std::unique_ptr<One>> ended_;    // destroyed after their calls have returned
     std::size_t at_work_ = 0;
-    Refusals gave_way_;
+    Refusals evicted_;
     Alarm turns_, patience_, sweep_;
 };
 

@@ -18,7 +18,7 @@ public:
         while (!bytes.empty()) {
             const std::size_t size = body_ > 0 ? std::min(body_, bytes.size()) : 1;
             if (body_ > 0) body_ -= size;
-            else take_header(bytes[0]);
+            else read_header(bytes[0]);
             bytes = bytes.subspan(size);
         }
     }
@@ -34,7 +34,7 @@ public:
     }
 
 private:
-    void take_header(std::uint8_t byte) noexcept {
+    void read_header(std::uint8_t byte) noexcept {
         header_[has_++] = byte;
         if (has_ < header_size) return;
         body_ = std::size_t{header_[3]} << 8 | header_[4];

@@ -59,11 +59,11 @@ private:
         resume_reading();
         link_.context_.host.link_up(link_);    // for the new channel
     }
-    void take(ano::FrameView frame) override {
+    void receive(ano::FrameView frame) override {
         heard_at_ = context_.host.now();
         if (!heard_[frame.source()] || has_rival_) has_rival_ = link_.has_rival(*this, frame.source());
         heard_.set(frame.source());
-        StreamSession::take(frame);
+        StreamSession::receive(frame);
     }
     void read_ended(int error) override { link_.end(*this, cause_of(error)); }
     void failed(int error) override { link_.end(*this, cause_of(error)); }
@@ -121,7 +121,7 @@ void TcpListenLink::accept() {
     for (int i = 0; i < accepts_per_turn; ++i) {
         Accepted next = accept_tcp(listener_.fd());
         if (next.fd) {
-            welcome(std::move(next.fd), next.peer);
+            add_connection(std::move(next.fd), next.peer);
             continue;
         }
         if (errno == ECONNABORTED || errno == EINTR) continue;
@@ -136,7 +136,7 @@ void TcpListenLink::accept_on() {
     if (listener_.is_open() && !is_ending_ && !accept_again_.is_set()) listener_.read_with([this] { accept(); });
 }
 
-void TcpListenLink::welcome(UniqueFd fd, const Endpoint& peer) try {
+void TcpListenLink::add_connection(UniqueFd fd, const Endpoint& peer) try {
     const TimePoint now = context_.host.now();
     if (!is_allowed(peer.address, now)) {
         ++outsiders_;
@@ -176,7 +176,7 @@ bool TcpListenLink::make_place(const IpAddress& address, TimePoint now) {
     std::vector<ConnectionPlaces::Connection> all;
     for (const auto& one : connections_) all.push_back(one->facts());
     const ConnectionPlaces::Place place = places_.place_for(all, address, is_trusted(address), now);
-    if (place.gives_way) end(*connections_[*place.gives_way], "it sent no frame, and another peer needed the connection");
+    if (place.evicted) end(*connections_[*place.evicted], "it sent no frame, and another peer needed the connection");
     return place.free;
 }
 
@@ -256,7 +256,7 @@ LinkFacts TcpListenLink::facts() const {
     for (const auto& one : connections_) oldest = std::max(oldest, one->not_acknowledged_for());
     if (const auto days = tls_ ? tls_->days_left() : std::nullopt) facts.push_back({"certificate_days", *days});
     if (listener_.is_open()) facts.push_back({"unacknowledged_ms", std::int64_t{oldest.count()}});
-    if (handshakes_) facts.push_back({"handshakes_gave_way", static_cast<std::int64_t>(handshakes_->gave_way().count)});
+    if (handshakes_) facts.push_back({"handshakes_gave_way", static_cast<std::int64_t>(handshakes_->evicted().count)});
     return facts;
 }
 
@@ -265,7 +265,7 @@ LinkError TcpListenLink::trouble() const {
     const auto count_of = [now = context_.host.now()](const Refusals& refusals) {    // empty: none recently
         return refusals.count > 0 && now - refusals.last < refusals_shown ? std::to_string(refusals.count) : std::string{};
     };
-    if (const std::string count = handshakes_ ? count_of(handshakes_->gave_way()) : ""; !count.empty())
+    if (const std::string count = handshakes_ ? count_of(handshakes_->evicted()) : ""; !count.empty())
         return {"handshakes",
                 count + " connections were closed during the TLS handshake: unknown senders held all " +
                     std::to_string(Handshakes::places) + " places for it",
@@ -285,8 +285,8 @@ UnassignedTraffic TcpListenLink::unassigned_traffic() const {
     traffic.no_place = no_place_.count;
     traffic.no_memory = no_memory_.count;
     traffic.outsiders = outsiders_;
-    if (handshakes_ && handshakes_->gave_way().count > 0 && context_.host.now() - handshakes_->gave_way().last < refusals_shown)
-        traffic.handshakes = handshakes_->gave_way().count;
+    if (handshakes_ && handshakes_->evicted().count > 0 && context_.host.now() - handshakes_->evicted().last < refusals_shown)
+        traffic.handshakes = handshakes_->evicted().count;
     return traffic;
 }
 

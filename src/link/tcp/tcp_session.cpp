@@ -24,7 +24,7 @@ void TcpSession::encrypt_by(std::shared_ptr<TlsConnection> tls) {
     step_.stop(ano::TimePoint::min());
     handshake_.reset();
     tls_ = std::move(tls);
-    is_late_ = wants_record_ = false;
+    is_late_ = needs_record_ = false;
     handshake_ends_.cancel();
 }
 
@@ -46,12 +46,12 @@ std::string TcpSession::tls_fault() const {
 StreamSession::Opening TcpSession::go_on_opening() {
     if (!tls_ || (!step_.is_running() && tls_->is_done())) return Opening::done;
     if (!handshake_ends_.is_set()) handshake_ends_.set(context_.host.now() + handshake_patience);
-    if (wants_record_ && !tls_->has_record()) return Opening::wants_to_read;
-    wants_record_ = false;
+    if (needs_record_ && !tls_->has_record()) return Opening::wants_to_read;
+    needs_record_ = false;
     if (!handshake_ && begin_step()) return Opening::waits;
     if (!handshake_) handshake_ = tls_->go_on();
     switch (*std::exchange(handshake_, std::nullopt)) {
-    case TlsConnection::Handshake::wants_to_read: wants_record_ = true; return Opening::wants_to_read;
+    case TlsConnection::Handshake::wants_to_read: needs_record_ = true; return Opening::wants_to_read;
     case TlsConnection::Handshake::wants_to_write: return Opening::wants_to_write;
     case TlsConnection::Handshake::done: handshake_ends_.cancel(); return Opening::done;
     case TlsConnection::Handshake::failed: break;

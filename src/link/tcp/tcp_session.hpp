@@ -3,7 +3,7 @@
 #include <link/stream_session.hpp>
 #include <link/tcp/in_flight_limit.hpp>
 #include <link/tcp/tls_context.hpp>
-#include <sys/errand.hpp>
+#include <sys/background_task.hpp>
 
 #include <chrono>
 #include <memory>
@@ -45,9 +45,9 @@ private:
     bool waits_for_acknowledgement();
 
     std::shared_ptr<TlsConnection> tls_;                   // shared with the thread that computes its handshake
-    Errand step_;                                          // of the handshake: takes milliseconds of computing
+    BackgroundTask step_;                                  // of the handshake: takes milliseconds of computing
     std::optional<TlsConnection::Handshake> handshake_;    // result of the last step
-    bool wants_record_ = false;                            // a complete record, before the next step
+    bool needs_record_ = false;                            // a complete record, before the next step
     bool is_late_ = false;                                 // the handshake took too long
     Alarm handshake_ends_, read_on_, write_on_;
     InFlightLimit in_flight_limit_;

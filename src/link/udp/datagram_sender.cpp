@@ -70,12 +70,12 @@ SendReport DatagramSender::send_all(const Way& way, Outbox& outbox, Pacing& paci
         }
         if (sent > 0) failures = 0;
         if (sent >= 0) continue;
-        const auto give_up = [&](std::uint64_t SendCounters::*cause) {
+        const auto abandon = [&](std::uint64_t SendCounters::*cause) {
             failures = 0;
             for (std::size_t i = 0; i < room_->frames_in[0]; ++i) outbox.drop_frame(cause);
         };
         report.error = errno;
-        if (way.take_reports && may_be_reported(report.error) && (*way.take_reports)()) {
+        if (way.read_reports && may_be_reported(report.error) && (*way.read_reports)()) {
             if (++reported < max_reported) continue;    // the error belongs to an earlier datagram; this one was not sent
             outbox.set_congested();
             return stop(SendResult::no_memory);
@@ -87,17 +87,17 @@ SendReport DatagramSender::send_all(const Way& way, Outbox& outbox, Pacing& paci
         case ENOMEM: outbox.set_congested(); return stop(SendResult::no_memory);
         case EMSGSIZE:
             if (room_->frames_in[0] > 1) mtu = 0;    // datagrams of one frame each may be small enough
-            else if (++failures == 2) give_up(&SendCounters::too_big);
+            else if (++failures == 2) abandon(&SendCounters::too_big);
             break;
         case ECONNREFUSED:
             ++report.refused;
-            if (++failures == 2) give_up(&SendCounters::send_failed);
+            if (++failures == 2) abandon(&SendCounters::send_failed);
             break;
         case ENETUNREACH:
             if (!way.to) return stop(SendResult::broken);    // connected from an address that was removed: can't recover
             [[fallthrough]];
         default:
-            if (!way.take_reports || ++failures == 2) give_up(&SendCounters::send_failed);
+            if (!way.read_reports || ++failures == 2) abandon(&SendCounters::send_failed);
             break;
         case EBADF:
         case EINVAL:

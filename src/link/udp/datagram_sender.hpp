@@ -36,7 +36,7 @@ public:
         const SocketAddress* to = nullptr;    // nullptr: the connected peer
         std::size_t mtu = 0;                  // frames are packed into datagrams of at most this size; 0: one frame each
         // For sockets with an error queue: reads the reports about earlier datagrams and returns whether there were any.
-        const std::function<bool()>* take_reports = nullptr;
+        const std::function<bool()>* read_reports = nullptr;
         std::size_t max_bytes = SIZE_MAX;    // in total; the rest stays in the outbox
         RawTap* tap = nullptr;               // called for every frame sent
     };

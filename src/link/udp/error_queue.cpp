@@ -50,7 +50,7 @@ bool may_be_reported(int error) noexcept {
     }
 }
 
-std::size_t take_error_reports(int fd, const std::function<void(const Endpoint&)>& on_refused) {
+std::size_t read_error_reports(int fd, const std::function<void(const Endpoint&)>& on_refused) {
     std::size_t count = 0;
     for (std::size_t i = 0; i < max_reports; ++i) {
         sockaddr_storage to{};

@@ -16,6 +16,6 @@ bool may_be_reported(int error) noexcept;
 
 /// Reads at most 64 reports and calls `on_refused` for each "port unreachable". Returns the number of reports from the network:
 /// while there are any, a call may have failed because of them.
-std::size_t take_error_reports(int fd, const std::function<void(const Endpoint&)>& on_refused);
+std::size_t read_error_reports(int fd, const std::function<void(const Endpoint&)>& on_refused);
 
 }    // namespace anogate

@@ -52,7 +52,7 @@ UdpLink::UdpLink(LinkId id, LinkSettings settings, const LinkContext& context)
 
 void UdpLink::start() {
     channel_ = context_.host.open_channel(*this, settings().as<UdpSettings>().peer.text());
-    stored_ = context_.host.take_stored(*this);    // now, because a look-up may take longer than they are kept
+    stored_ = context_.host.claim_stored(*this);    // now, because a look-up may take longer than they are kept
     reconnect_.start();
 }
 
@@ -234,7 +234,7 @@ void UdpLink::read() {
         if (tap_) [[unlikely]]
             tap_->received(context_.batch.datagram(at));
         channel_->arrived_at = context_.batch.arrived_at(at, arrival_, loop);
-        feed_datagram(channel_->parser, context_.batch.datagram(at), now, [&](ano::FrameView frame) { take(frame); });
+        feed_datagram(channel_->parser, context_.batch.datagram(at), now, [&](ano::FrameView frame) { receive(frame); });
     }
     if (static_cast<std::size_t>(count) < DatagramBatch::max_datagrams) arrival_.found_empty(asked);
     if (const auto due = channel_->parser.deadline()) expiry_.set(*due);
@@ -250,12 +250,12 @@ bool UdpLink::own(const sockaddr_storage& sender, TimePoint now) {
 }
 
 // Notices of a listening gateway are ignored: this link may be connected to one.
-void UdpLink::take(ano::FrameView frame) {
+void UdpLink::receive(ano::FrameView frame) {
     if (!listening_notice(frame)) context_.host.receive(*channel_, frame);
 }
 
 void UdpLink::deliver() {
-    while (const auto frame = channel_->parser.next()) take(*frame);
+    while (const auto frame = channel_->parser.next()) receive(*frame);
     context_.host.flush();
 }
 

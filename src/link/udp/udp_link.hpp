@@ -51,7 +51,7 @@ private:
     void fail(LinkError why);
     void read();
     bool own(const sockaddr_storage& sender, TimePoint now);
-    void take(ano::FrameView frame);
+    void receive(ano::FrameView frame);
     void deliver();
     void note(const SendReport& report);
 

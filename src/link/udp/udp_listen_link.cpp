@@ -68,13 +68,13 @@ UdpListenLink::UdpListenLink(LinkId id, LinkSettings settings, const LinkContext
       book_{book_options(this->settings().as<UdpListenSettings>())},
       random_{random_number},
       check_{random_},
-      take_reports_{[this] { return take_reports(); }} {}
+      read_reports_{[this] { return read_reports(); }} {}
 
 UdpListenLink::~UdpListenLink() = default;
 
 Opened<void> UdpListenLink::open() {
     const UdpListenSettings& listen = settings().as<UdpListenSettings>();
-    auto stored = context_.host.take_stored(*this);
+    auto stored = context_.host.claim_stored(*this);
     UniqueFd wire = stored ? reuse_udp(std::move(stored->wire), listen.local, listen.interface) : UniqueFd{};
     const bool is_stored{wire};
     auto socket = is_stored ? Opened<UniqueFd>{std::move(wire)} : open_udp(listen.local, false, listen.interface);
@@ -105,7 +105,7 @@ void UdpListenLink::fail(LinkError why) {
 }
 
 void UdpListenLink::stop_reading() {
-    if (descriptor_.is_open()) take_waiting(at_the_end);
+    if (descriptor_.is_open()) process_waiting(at_the_end);
     next_turn_.cancel();
     descriptor_.stop_reading();
     reconnect_.stop();
@@ -129,7 +129,7 @@ void UdpListenLink::read() {
     turn_ends_ = ano::Clock::now() + turn;
     for (int batches = 1; read_batch() && is_crowded() && batches < max_batches;) ++batches;
     if (!descriptor_.is_open()) return;
-    take_waiting(turn);
+    process_waiting(turn);
     context_.host.flush();
 }
 
@@ -138,7 +138,7 @@ bool UdpListenLink::read_batch() {
     const int count = context_.batch.receive(descriptor_.fd());
     if (count <= 0) {
         const int error = count < 0 ? errno : 0;
-        if (!take_reports() && error != 0 && error != ENOMEM && !may_be_reported(error)) fail(error_text(local_.text(), error));
+        if (!read_reports() && error != 0 && error != ENOMEM && !may_be_reported(error)) fail(error_text(local_.text(), error));
         return false;
     }
     const LoopWatch& loop = context_.host.turn();
@@ -146,15 +146,15 @@ bool UdpListenLink::read_batch() {
     const TimePoint now = loop.now();
     for (int i = 0; i < count; ++i) {
         const auto at = static_cast<std::size_t>(i);
-        take(context_.batch.sender(at), context_.batch.datagram(at), context_.batch.arrived_at(at, arrival_, loop), now);
+        receive(context_.batch.sender(at), context_.batch.datagram(at), context_.batch.arrived_at(at, arrival_, loop), now);
     }
     if (static_cast<std::size_t>(count) == DatagramBatch::max_datagrams) return true;
     arrival_.found_empty(asked);
     return false;
 }
 
-void UdpListenLink::take(const sockaddr_storage& sender, std::span<const std::uint8_t> datagram, TimePoint arrived_at,
-                         TimePoint now) {
+void UdpListenLink::receive(const sockaddr_storage& sender, std::span<const std::uint8_t> datagram, TimePoint arrived_at,
+                            TimePoint now) {
     const Endpoint endpoint = endpoint_of(sender);
     Peer* peer = find(endpoint);
     const bool is_new = !peer;
@@ -164,21 +164,21 @@ void UdpListenLink::take(const sockaddr_storage& sender, std::span<const std::ui
     // The first datagram of a peer is processed at once: frames sent before the channel was opened can't be copies of frames sent
     // on it.
     if (is_crowded() && !is_new) store(*peer, datagram, arrived_at);
-    else take(*peer, datagram, arrived_at, now);
+    else receive(*peer, datagram, arrived_at, now);
 }
 
 // May remove the peer.
-void UdpListenLink::take(Peer& peer, std::span<const std::uint8_t> datagram, TimePoint arrived_at, TimePoint now) {
+void UdpListenLink::receive(Peer& peer, std::span<const std::uint8_t> datagram, TimePoint arrived_at, TimePoint now) {
     peer.channel.arrived_at = arrived_at;
     if (std::exchange(peer.came, true)) book_.came(peer.channel.id);
     if (peer.far) peer.far->came(datagram.size(), now);
-    feed_datagram(peer.channel.parser, datagram, now, [&](ano::FrameView frame) { take(peer, frame, now); });
+    feed_datagram(peer.channel.parser, datagram, now, [&](ano::FrameView frame) { receive(peer, frame, now); });
     delivered();
     await_rest(peer);
     end_of_datagram(peer, now);
 }
 
-void UdpListenLink::take(Peer& peer, ano::FrameView frame, TimePoint now) {
+void UdpListenLink::receive(Peer& peer, ano::FrameView frame, TimePoint now) {
     if (const auto notice = listening_notice(frame)) {
         if (joins_gateways()) return;
         heard_notice(peer.endpoint, *notice, now);
@@ -216,14 +216,14 @@ void UdpListenLink::ask_suspect(Peer& peer, TimePoint now) {
     if (peer.far && peer.far->allowance(now) < NoticeFrame{}.size()) return;
     if (const auto question = check_.question(peer.endpoint, now)) {
         if (peer.far) peer.far->left(NoticeFrame{}.size());
-        say(peer.endpoint, question);
+        send_notice(peer.endpoint, question);
     }
 }
 
 void UdpListenLink::heard_notice(const Endpoint& from, const ListeningNotice& notice, TimePoint now) {
     if (notice.kind == ListeningNotice::Kind::question) {
-        say(from, check_.asked(from, notice.number, now));
-        if (!check_.is_refused(from)) say(from, check_.question_back(from, now));
+        send_notice(from, check_.asked(from, notice.number, now));
+        if (!check_.is_refused(from)) send_notice(from, check_.question_back(from, now));
     } else if (check_.answered(from, notice.number, now)) {
         ++gateways_;
         ++unassigned_.denied_in;
@@ -231,14 +231,14 @@ void UdpListenLink::heard_notice(const Endpoint& from, const ListeningNotice& no
     }
 }
 
-void UdpListenLink::say(const Endpoint& to, const std::optional<ListeningNotice>& notice) {
+void UdpListenLink::send_notice(const Endpoint& to, const std::optional<ListeningNotice>& notice) {
     if (notice) send(to, frame_of(*notice));
 }
 
 // Does not remove peers: the outbox of the refused peer may be in use by the sender.
-bool UdpListenLink::take_reports() {
+bool UdpListenLink::read_reports() {
     const TimePoint now = context_.host.now();
-    return take_error_reports(descriptor_.fd(), [&](const Endpoint& there) {
+    return read_error_reports(descriptor_.fd(), [&](const Endpoint& there) {
                const Peer* peer = find(there);
                // set_no_later(): if an alarm triggers the sending, postponing look_ each time would delay it for ever.
                if (peer && book_.refused(peer->channel.id, now)) look_.set_no_later(now);
@@ -250,7 +250,7 @@ int UdpListenLink::send(const Endpoint& to, std::span<const std::uint8_t> bytes)
     int error = EBADF;
     for (int i = 0; i < max_tries && descriptor_.is_open(); ++i) {
         error = send_datagram(descriptor_.fd(), to, bytes, local_.address.v6);
-        if (!may_be_reported(error) || !take_reports()) break;
+        if (!may_be_reported(error) || !read_reports()) break;
     }
     return error;
 }
@@ -258,7 +258,7 @@ int UdpListenLink::send(const Endpoint& to, std::span<const std::uint8_t> bytes)
 void UdpListenLink::expire(Peer& peer) {
     const TimePoint now = context_.host.now();
     if (peer.channel.parser.expire(now)) {
-        while (const auto frame = peer.channel.parser.next()) take(peer, *frame, now);
+        while (const auto frame = peer.channel.parser.next()) receive(peer, *frame, now);
         delivered();
         context_.host.flush();
     }
@@ -276,8 +276,8 @@ void UdpListenLink::flush(Channel& channel) {
     const auto found = std::find_if(peers_.begin(), peers_.end(), [&](const auto& p) { return &p->channel == &channel; });
     if (found == peers_.end()) return;
     Peer& peer = **found;
-    if (channel.hosts_spoke) ask_suspect(peer, context_.host.now());
-    DatagramSender::Way way{descriptor_.fd(), &peer.address, settings().pack ? settings().mtu : 0u, &take_reports_, SIZE_MAX};
+    if (channel.had_host_frames) ask_suspect(peer, context_.host.now());
+    DatagramSender::Way way{descriptor_.fd(), &peer.address, settings().pack ? settings().mtu : 0u, &read_reports_, SIZE_MAX};
     for (;;) {
         const TimePoint now = context_.host.now();
         const std::uint64_t sent_before = channel.outbox.counters().bytes_out;

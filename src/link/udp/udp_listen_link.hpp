@@ -65,17 +65,17 @@ private:
     void fail(LinkError why);
     void read();
     bool read_batch();
-    void take(const sockaddr_storage& sender, std::span<const std::uint8_t> datagram, TimePoint arrived_at, TimePoint now);
-    void take(Peer& peer, std::span<const std::uint8_t> datagram, TimePoint arrived_at, TimePoint now);
+    void receive(const sockaddr_storage& sender, std::span<const std::uint8_t> datagram, TimePoint arrived_at, TimePoint now);
+    void receive(Peer& peer, std::span<const std::uint8_t> datagram, TimePoint arrived_at, TimePoint now);
     bool is_crowded() const;
     void store(Peer& peer, std::span<const std::uint8_t> datagram, TimePoint arrived_at);
-    void take_waiting(Duration time);
+    void process_waiting(Duration time);
     Peer& peer_of(ChannelId channel) noexcept;
-    void take(Peer& peer, ano::FrameView frame, TimePoint now);
+    void receive(Peer& peer, ano::FrameView frame, TimePoint now);
     Peer* find(const Endpoint& endpoint) noexcept;
     Peer* admit(const Endpoint& endpoint, std::span<const std::uint8_t> datagram, TimePoint now);
     bool can_be_peer(const Endpoint& sender, TimePoint now);
-    bool is_welcome(const Endpoint& sender, std::span<const std::uint8_t> datagram, TimePoint now, bool& commands);
+    bool is_admitted(const Endpoint& sender, std::span<const std::uint8_t> datagram, TimePoint now, bool& commands);
     PeerBook::Rank rank_of(const Endpoint& endpoint, bool commands) const;
     Peer* make_peer(const Endpoint& endpoint, TimePoint now, PeerBook::Rank rank);
     void refuse(std::span<const std::uint8_t> datagram);
@@ -83,10 +83,10 @@ private:
     void end_of_datagram(Peer& peer, TimePoint now);
     void ask_suspect(Peer& peer, TimePoint now);
     void heard_notice(const Endpoint& from, const ListeningNotice& notice, TimePoint now);
-    void say(const Endpoint& to, const std::optional<ListeningNotice>& notice);
+    void send_notice(const Endpoint& to, const std::optional<ListeningNotice>& notice);
     void forget(Peer& peer);
     void forget_overdue_peers();
-    bool take_reports();
+    bool read_reports();
     void expire(Peer& peer);
     void await_rest(Peer& peer);
     void flush_all();
@@ -116,7 +116,7 @@ private:
     std::uint64_t outsiders_ = 0;    // the same: outside `allow`
     std::string last_gateway_;       // the last of these gateways
     OwnNetworks networks_;
-    std::function<bool()> take_reports_;
+    std::function<bool()> read_reports_;
     Endpoint local_;
 };
 

@@ -29,7 +29,7 @@ void UdpListenLink::restore_peers(std::vector<StoredPeer> peers, TimePoint now) 
         if (find(stored.endpoint) || !allowed(stored.endpoint, now) || !can_be_peer(stored.endpoint, now)) continue;
         const PeerBook::Rank rank = rank_of(stored.endpoint, stored.memory.commands);
         const PeerBook::Place place = book_.place_for(stored.endpoint, now, rank);
-        if (!place.free || place.gives_way) continue;
+        if (!place.free || place.evicted) continue;
         Peer* const peer = make_peer(stored.endpoint, now, rank);
         if (!peer) return;
         peer->came = true;
@@ -56,9 +56,9 @@ UdpListenLink::Peer* UdpListenLink::admit(const Endpoint& endpoint, std::span<co
     }
     if (!can_be_peer(endpoint, now)) return refuse(datagram), nullptr;
     bool commands = false;
-    if (!is_welcome(endpoint, datagram, now, commands)) return nullptr;
+    if (!is_admitted(endpoint, datagram, now, commands)) return nullptr;
     if (check_.is_refused(endpoint)) {    // a gateway that was not yet notified of the refusal
-        say(endpoint, check_.question_back(endpoint, now));
+        send_notice(endpoint, check_.question_back(endpoint, now));
         return refuse(datagram), nullptr;
     }
     if (check_.is_suspended(endpoint, now)) {
@@ -72,8 +72,8 @@ UdpListenLink::Peer* UdpListenLink::admit(const Endpoint& endpoint, std::span<co
         ++no_place_;
         return refuse(datagram), nullptr;
     }
-    if (place.gives_way)
-        forget(**std::find_if(peers_.begin(), peers_.end(), [&](const auto& p) { return p->channel.id == *place.gives_way; }));
+    if (place.evicted)
+        forget(**std::find_if(peers_.begin(), peers_.end(), [&](const auto& p) { return p->channel.id == *place.evicted; }));
     Peer* peer = make_peer(endpoint, now, rank);
     if (!peer) refuse(datagram);
     return peer;
@@ -132,7 +132,7 @@ bool UdpListenLink::allowed(const Endpoint& sender, TimePoint now) {
 }
 
 // Sets `commands` if the datagram contains a command of a host.
-bool UdpListenLink::is_welcome(const Endpoint& sender, std::span<const std::uint8_t> datagram, TimePoint now, bool& commands) {
+bool UdpListenLink::is_admitted(const Endpoint& sender, std::span<const std::uint8_t> datagram, TimePoint now, bool& commands) {
     const ano::ParserCounters before = probe_.counters();
     bool found = false;
     std::uint64_t unwelcome = 0;

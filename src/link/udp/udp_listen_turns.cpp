@@ -21,7 +21,7 @@ void UdpListenLink::store(Peer& peer, std::span<const std::uint8_t> datagram, Ti
 }
 
 // At least one datagram, and more until `time` is over.
-void UdpListenLink::take_waiting(Duration time) {
+void UdpListenLink::process_waiting(Duration time) {
     if (waiting_.empty()) return;
     const TimePoint now = context_.host.now();
     const TimePoint ends = now + time;
@@ -30,7 +30,7 @@ void UdpListenLink::take_waiting(Duration time) {
         Peer& peer = peer_of(id);
         const DatagramQueue::Datagram next = peer.waiting->pop();
         if (peer.waiting->empty()) waiting_.erase(id);
-        take(peer, next.bytes, next.arrived_at, now);
+        receive(peer, next.bytes, next.arrived_at, now);
         const TimePoint after = ano::Clock::now();
         shares_.charge(id, after - before);
         before = after;

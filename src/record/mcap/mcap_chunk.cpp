@@ -24,11 +24,11 @@ IndexOffsets MessageIndexes::append(std::string& out, std::uint64_t at) {
     for (const std::uint16_t channel : used_) {
         offsets[channel] = at + (out.size() - before);
         const std::size_t begun = begin_record(out, Opcode::message_index);
-        put(out, channel);
-        put(out, static_cast<std::uint32_t>(entries_[channel].size() * sizeof(Entry)));
+        append_le(out, channel);
+        append_le(out, static_cast<std::uint32_t>(entries_[channel].size() * sizeof(Entry)));
         for (const Entry& entry : entries_[channel]) {
-            put(out, entry.log_time);
-            put(out, entry.offset);
+            append_le(out, entry.log_time);
+            append_le(out, entry.offset);
         }
         end_record(out, begun);
     }
@@ -44,7 +44,7 @@ void MessageIndexes::clear() {
 
 void ChunkBuilder::add_message(const Message& message) {
     indexes_.add(message.channel, message.log_time, records_.size());
-    put_message(records_, message);
+    append_message(records_, message);
 }
 
 void ChunkBuilder::end(std::string& out, std::uint64_t at, Summary& summary) {
@@ -57,13 +57,13 @@ void ChunkBuilder::end(std::string& out, std::uint64_t at, Summary& summary) {
     place.unpacked = records_.size();
 
     const std::size_t begun = begin_record(out, Opcode::chunk);
-    put(out, place.first_time);
-    put(out, place.last_time);
-    put(out, place.unpacked);
-    put(out, crc32_of(records_));
-    put_text(out, place.compression);
+    append_le(out, place.first_time);
+    append_le(out, place.last_time);
+    append_le(out, place.unpacked);
+    append_le(out, crc32_of(records_));
+    append_string(out, place.compression);
     const std::size_t packed_at = out.size() + sizeof(std::uint64_t);
-    put(out, std::uint64_t{0});
+    append_le(out, std::uint64_t{0});
     if (packed_) packer_.pack(records_, out);
     else out += records_;
     place.packed = out.size() - packed_at;
@@ -110,7 +110,7 @@ ChunkFault ChunkOpener::open(const ChunkRecord& chunk, std::string& records) {
     }
     if (chunk.unpacked_crc != 0 && crc32_of(records) != chunk.unpacked_crc) return {"its checksum is wrong"};
     std::string_view rest = records;
-    while (take_record(rest)) continue;
+    while (next_record(rest)) continue;
     return {rest.empty() ? nullptr : "a record in it extends beyond its end"};
 }
 

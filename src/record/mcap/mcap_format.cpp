@@ -2,7 +2,7 @@
 
 namespace anogate::mcap {
 
-std::optional<Record> take_record(std::string_view& bytes) noexcept {
+std::optional<Record> next_record(std::string_view& bytes) noexcept {
     Fields fields{bytes};
     const auto opcode = static_cast<Opcode>(fields.number<std::uint8_t>());
     const auto size = fields.number<std::uint64_t>();
@@ -24,22 +24,22 @@ std::optional<Message> message_of(std::string_view body) noexcept {
     return fields.is_bad() ? std::nullopt : std::optional{message};
 }
 
-void put_message(std::string& out, const Message& message) {
+void append_message(std::string& out, const Message& message) {
     const std::size_t begun = begin_record(out, Opcode::message);
-    put(out, message.channel);
-    put(out, message.sequence);
-    put(out, message.log_time);
-    put(out, message.publish_time);
+    append_le(out, message.channel);
+    append_le(out, message.sequence);
+    append_le(out, message.log_time);
+    append_le(out, message.publish_time);
     out += message.data;
     end_record(out, begun);
 }
 
-void put_schema(std::string& out, const SchemaRecord& schema) {
+void append_schema(std::string& out, const SchemaRecord& schema) {
     const std::size_t begun = begin_record(out, Opcode::schema);
-    put(out, schema.id);
-    put_text(out, schema.name);
-    put_text(out, schema.encoding);
-    put_text(out, schema.text);
+    append_le(out, schema.id);
+    append_string(out, schema.name);
+    append_string(out, schema.encoding);
+    append_string(out, schema.text);
     end_record(out, begun);
 }
 
@@ -55,32 +55,32 @@ std::optional<ChannelRecord> channel_of(std::string_view body) noexcept {
 
 namespace {
 
-void put_pairs(std::string& out, std::initializer_list<Pair> pairs) {
+void append_pairs(std::string& out, std::initializer_list<Pair> pairs) {
     std::uint32_t size = 0;
     for (const Pair& pair : pairs) size += static_cast<std::uint32_t>(8 + pair.key.size() + pair.value.size());
-    put(out, size);
+    append_le(out, size);
     for (const Pair& pair : pairs) {
-        put_text(out, pair.key);
-        put_text(out, pair.value);
+        append_string(out, pair.key);
+        append_string(out, pair.value);
     }
 }
 
 }    // namespace
 
-void put_channel(std::string& out, const ChannelRecord& channel) {
+void append_channel(std::string& out, const ChannelRecord& channel) {
     const std::size_t begun = begin_record(out, Opcode::channel);
-    put(out, channel.id);
-    put(out, channel.schema);
-    put_text(out, channel.topic);
-    put_text(out, channel.encoding);
-    put_pairs(out, {{"offered_qos_profiles", ""}});
+    append_le(out, channel.id);
+    append_le(out, channel.schema);
+    append_string(out, channel.topic);
+    append_string(out, channel.encoding);
+    append_pairs(out, {{"offered_qos_profiles", ""}});
     end_record(out, begun);
 }
 
-void put_metadata(std::string& out, std::string_view name, std::initializer_list<Pair> pairs) {
+void append_metadata(std::string& out, std::string_view name, std::initializer_list<Pair> pairs) {
     const std::size_t begun = begin_record(out, Opcode::metadata);
-    put_text(out, name);
-    put_pairs(out, pairs);
+    append_string(out, name);
+    append_pairs(out, pairs);
     end_record(out, begun);
 }
 

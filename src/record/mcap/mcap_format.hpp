@@ -57,22 +57,22 @@ inline constexpr std::string_view decoding_name =
 inline constexpr std::string_view counts_name = "anogate.summary";    // json
 
 template <std::unsigned_integral T>
-void put(std::string& out, T number) {
+void append_le(std::string& out, T number) {
     std::uint8_t bytes[sizeof number];
     ano::store(bytes, number);
     out.append(reinterpret_cast<const char*>(bytes), sizeof number);
 }
 
 /// Appends the length in four bytes, then the text.
-inline void put_text(std::string& out, std::string_view text) {
-    put(out, static_cast<std::uint32_t>(text.size()));
+inline void append_string(std::string& out, std::string_view text) {
+    append_le(out, static_cast<std::uint32_t>(text.size()));
     out += text;
 }
 
 /// Appends the head of a record; end_record() sets its length and needs the result of this.
 inline std::size_t begin_record(std::string& out, Opcode opcode) {
     out += static_cast<char>(opcode);
-    put(out, std::uint64_t{0});
+    append_le(out, std::uint64_t{0});
     return out.size();
 }
 inline void end_record(std::string& out, std::size_t begun) {
@@ -116,7 +116,7 @@ struct Record {
 };
 
 /// Removes the first record from `bytes` and returns it; std::nullopt: it is incomplete.
-std::optional<Record> take_record(std::string_view& bytes) noexcept;
+std::optional<Record> next_record(std::string_view& bytes) noexcept;
 
 struct Message {
     std::uint16_t channel = 0;
@@ -125,14 +125,14 @@ struct Message {
     std::string_view data;
 };
 std::optional<Message> message_of(std::string_view body) noexcept;
-void put_message(std::string& out, const Message& message);
+void append_message(std::string& out, const Message& message);
 
 /// A schema: its `text` is in `encoding`.
 struct SchemaRecord {
     std::uint16_t id = 0;
     std::string_view name, encoding, text;
 };
-void put_schema(std::string& out, const SchemaRecord& schema);
+void append_schema(std::string& out, const SchemaRecord& schema);
 
 struct ChannelRecord {
     std::uint16_t id = 0, schema = 0;
@@ -140,12 +140,12 @@ struct ChannelRecord {
 };
 std::optional<ChannelRecord> channel_of(std::string_view body) noexcept;
 /// Appends the record as the profile ros2 requires, without qualities of service.
-void put_channel(std::string& out, const ChannelRecord& channel);
+void append_channel(std::string& out, const ChannelRecord& channel);
 
 struct Pair {
     std::string_view key, value;
 };
-void put_metadata(std::string& out, std::string_view name, std::initializer_list<Pair> pairs);
+void append_metadata(std::string& out, std::string_view name, std::initializer_list<Pair> pairs);
 std::string_view name_of_metadata(std::string_view body) noexcept;
 /// Empty if there is no such key.
 std::string_view metadata_at(std::string_view body, std::string_view key) noexcept;

@@ -44,7 +44,7 @@ private:
         footer_ = whole(footer_at_, size);
         if (!footer_.ends_with(mcap::magic)) return false;
         std::string_view rest = footer_;
-        const auto footer = mcap::take_record(rest);
+        const auto footer = mcap::next_record(rest);
         if (!footer || footer->opcode != Opcode::footer || footer->whole.size() != mcap::footer_size) return false;
         Fields fields{footer->body};
         summary_at_ = fields.number<std::uint64_t>();
@@ -65,14 +65,14 @@ private:
             crc.add(piece);
             waiting += piece;
             std::string_view rest = waiting;
-            while (const auto record = mcap::take_record(rest)) take(*record);
+            while (const auto record = mcap::next_record(rest)) process(*record);
             waiting.erase(0, waiting.size() - rest.size());
         }
         crc.add(std::string_view{footer_}.substr(0, mcap::footer_size - sizeof crc_));
         return waiting.empty() && (crc_ == 0 || crc_ == crc.value());
     }
 
-    void take(const mcap::Record& record) {
+    void process(const mcap::Record& record) {
         Fields fields{record.body};
         if (record.opcode == Opcode::channel) {
             const auto channel = mcap::channel_of(record.body);
@@ -95,7 +95,7 @@ private:
         if (place.size > max_metadata_size || place.at > file_size_) return;
         const std::string bytes = whole(place.at, static_cast<std::size_t>(place.size));
         std::string_view rest = bytes;
-        const auto record = mcap::take_record(rest);
+        const auto record = mcap::next_record(rest);
         if (!record || record->opcode != Opcode::metadata) return;
         const std::string_view name = mcap::name_of_metadata(record->body);
         if (name == mcap::counts_name) counts_ = RecordingCounts::of_json(mcap::metadata_at(record->body, "json"));

@@ -12,14 +12,14 @@ std::size_t cdr_padding(std::size_t size, std::size_t of_number) {
 }
 
 template <std::unsigned_integral T>
-void put_cdr(std::string& out, T number) {
+void append_cdr(std::string& out, T number) {
     out.append(cdr_padding(out.size(), sizeof number), '\0');
-    put(out, number);
+    append_le(out, number);
 }
 
-void put_cdr_text(std::string& out, std::string_view text) {
+void append_cdr_text(std::string& out, std::string_view text) {
     text = text_that_fits(text);
-    put_cdr(out, static_cast<std::uint32_t>(text.size() + 1));
+    append_cdr(out, static_cast<std::uint32_t>(text.size() + 1));
     out += text;
     out += '\0';
 }
@@ -72,22 +72,22 @@ std::optional<RecordedFrame> frame_of(const Message& message) {
 void encode(const RecordedFrame& frame, std::string& out) {
     constexpr std::uint16_t no_channel = 0xFFFF;    // -1
     out = little_endian_cdr;
-    put_cdr(out, frame.boottime_ns);
-    put_cdr_text(out, frame.link);
-    put_cdr_text(out, frame.link_description);
-    put_cdr(out, static_cast<std::uint8_t>(frame.direction));
-    put_cdr_text(out, frame.cause);
-    put_cdr(out, frame.channel ? std::uint16_t{*frame.channel} : no_channel);
-    put_cdr_text(out, frame.peer);
+    append_cdr(out, frame.boottime_ns);
+    append_cdr_text(out, frame.link);
+    append_cdr_text(out, frame.link_description);
+    append_cdr(out, static_cast<std::uint8_t>(frame.direction));
+    append_cdr_text(out, frame.cause);
+    append_cdr(out, frame.channel ? std::uint16_t{*frame.channel} : no_channel);
+    append_cdr_text(out, frame.peer);
     const auto bytes = frame.frame.bytes();
-    put_cdr(out, static_cast<std::uint32_t>(bytes.size()));
+    append_cdr(out, static_cast<std::uint32_t>(bytes.size()));
     out.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
 }
 
 void encode(const RecordedLoss& loss, std::string& out) {
     out = little_endian_cdr;
-    put_cdr(out, loss.count);
-    put_cdr_text(out, loss.names);
+    append_cdr(out, loss.count);
+    append_cdr_text(out, loss.names);
 }
 
 void Items::add_channel(std::string_view body) {
@@ -100,7 +100,7 @@ void Items::add_channel(std::string_view body) {
 }
 
 Items::Kind Items::kind_of(std::uint16_t channel) const noexcept {
-    return channel < kinds_.size() ? kinds_[channel] : Kind::untold;
+    return channel < kinds_.size() ? kinds_[channel] : Kind::unknown;
 }
 
 void Items::set_kind(std::uint16_t channel, Kind kind) {
@@ -112,7 +112,7 @@ bool Items::has_frames(std::uint16_t channel) const noexcept { return kind_of(ch
 
 std::optional<Recorded> Items::item_of(const Message& message) {
     const Kind kind = kind_of(message.channel);
-    if (kind == Kind::untold && misses_channels_) {
+    if (kind == Kind::unknown && misses_channels_) {
         const auto frame = frame_of(message);
         if (!frame) return std::nullopt;
         set_kind(message.channel, Kind::frames);

@@ -53,7 +53,7 @@ public:
     std::uint64_t foreign() const noexcept { return foreign_; }
 
 private:
-    enum class Kind : std::uint8_t { untold, other, frames, losses };
+    enum class Kind : std::uint8_t { unknown, other, frames, losses };
     Kind kind_of(std::uint16_t channel) const noexcept;
     void set_kind(std::uint16_t channel, Kind kind);
 

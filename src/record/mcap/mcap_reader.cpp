@@ -19,22 +19,22 @@ RecordingHead mcap::recording_head_of(std::string_view metadata) {
             number_of(metadata_at(metadata, "boottime_ns")), nullptr};
 }
 
-void McapReader::give(std::string_view bytes) {
+void McapReader::feed(std::string_view bytes) {
     item_.reset();
-    records_.give(bytes);
+    records_.feed(bytes);
 }
 
 std::optional<Recorded> McapReader::next() {
     while (true) {
         if (item_) return std::exchange(item_, std::nullopt);
-        if (const auto record = mcap::take_record(rest_)) take(*record);
-        else if (const auto outer = records_.next()) take_outer(*outer);
+        if (const auto record = mcap::next_record(rest_)) process(*record);
+        else if (const auto outer = records_.next()) process_outer(*outer);
         else return std::nullopt;
     }
 }
 
 // Records that may be inside a chunk.
-void McapReader::take(const mcap::Record& record) {
+void McapReader::process(const mcap::Record& record) {
     if (record.opcode == mcap::Opcode::channel) items_.add_channel(record.body);
     if (record.opcode != mcap::Opcode::message) return;
     if (const auto message = mcap::message_of(record.body)) item_ = items_.item_of(*message);
@@ -53,32 +53,32 @@ void McapReader::check(const mcap::Record& record) {
         fields.bytes(in_front);
         crc_.add(record.whole.substr(0, mcap::record_head + in_front));
     }
-    const auto told = fields.number<std::uint32_t>();
+    const auto stored_crc = fields.number<std::uint32_t>();
     const bool is_known = is_end ? skipped_.count > 0 : !is_data_over_;
-    if (told != 0 && told != crc_.value() && !is_known)
+    if (stored_crc != 0 && stored_crc != crc_.value() && !is_known)
         mismatches_.push_back(is_end ? "the data does not match the CRC in its DataEnd"
                                      : "its summary does not match the CRC in its Footer");
     crc_ = {};
 }
 
-void McapReader::take_outer(const mcap::Record& record) {
+void McapReader::process_outer(const mcap::Record& record) {
     check(record);
     if (is_data_over_) {    // the summary repeats records of the data, also of skipped chunks
         if (skipped_.count > 0 && record.opcode == mcap::Opcode::channel) items_.add_channel(record.body);
         return;
     }
-    if (is_behind_skipped_ && record.opcode == mcap::Opcode::message_index) return take_index_of_skipped(record);
+    if (is_behind_skipped_ && record.opcode == mcap::Opcode::message_index) return process_skipped_index(record);
     is_behind_skipped_ = false;
     switch (record.opcode) {
-    case mcap::Opcode::chunk: take_chunk(record); break;
-    case mcap::Opcode::metadata: take_metadata(record.body); break;
+    case mcap::Opcode::chunk: process_chunk(record); break;
+    case mcap::Opcode::metadata: process_metadata(record.body); break;
     case mcap::Opcode::data_end:
     case mcap::Opcode::footer: is_data_over_ = true; break;
-    default: take(record);
+    default: process(record);
     }
 }
 
-void McapReader::take_metadata(std::string_view body) {
+void McapReader::process_metadata(std::string_view body) {
     const std::string_view name = mcap::name_of_metadata(body);
     if (name == mcap::decoding_name) head_.decoding = Decoding::parse(mcap::metadata_at(body, "json"));
     if (name != mcap::head_name) return;
@@ -86,7 +86,7 @@ void McapReader::take_metadata(std::string_view body) {
     has_head_ = true;
 }
 
-void McapReader::take_chunk(const mcap::Record& record) {
+void McapReader::process_chunk(const mcap::Record& record) {
     const mcap::ChunkFault fault = opener_.open(record.body, chunk_);
     if (fault.why == nullptr) {
         rest_ = chunk_;
@@ -98,7 +98,7 @@ void McapReader::take_chunk(const mcap::Record& record) {
     items_.miss_channels();
 }
 
-void McapReader::take_index_of_skipped(const mcap::Record& record) {
+void McapReader::process_skipped_index(const mcap::Record& record) {
     constexpr std::size_t entry_size = 2 * sizeof(std::uint64_t);
     mcap::Fields fields{record.body};
     const auto channel = fields.number<std::uint16_t>();

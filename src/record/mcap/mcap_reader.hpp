@@ -25,7 +25,7 @@ RecordingHead recording_head_of(std::string_view metadata);
 
 class McapReader final : public RecordingReader {
 public:
-    void give(std::string_view bytes) override;
+    void feed(std::string_view bytes) override;
     std::optional<Recorded> next() override;
 
     RecordingFormat format() const noexcept override { return RecordingFormat::mcap; }
@@ -42,11 +42,11 @@ public:
     bool is_strange() const noexcept override;
 
 private:
-    void take(const mcap::Record& record);
-    void take_outer(const mcap::Record& record);
-    void take_metadata(std::string_view body);
-    void take_chunk(const mcap::Record& record);
-    void take_index_of_skipped(const mcap::Record& record);
+    void process(const mcap::Record& record);
+    void process_outer(const mcap::Record& record);
+    void process_metadata(std::string_view body);
+    void process_chunk(const mcap::Record& record);
+    void process_skipped_index(const mcap::Record& record);
     void check(const mcap::Record& record);
 
     mcap::Records records_;

@@ -4,14 +4,14 @@
 
 namespace anogate::mcap {
 
-void Records::give(std::string_view bytes) {
+void Records::feed(std::string_view bytes) {
     buffer_.erase(0, at_);
     at_ = 0;
     if (fault_ == nullptr) buffer_ += bytes;
 }
 
 // Returns true if the magic is complete and correct.
-bool Records::take_magic() {
+bool Records::read_magic() {
     constexpr std::size_t version_at = 5;
     const std::string_view rest = std::string_view{buffer_}.substr(at_);
     const std::string_view there = rest.substr(0, magic.size()), wanted = magic.substr(0, there.size());
@@ -31,10 +31,10 @@ bool Records::take_magic() {
 std::optional<Record> Records::next() {
     if (fault_ != nullptr) return std::nullopt;
     if (place_ == Place::before) {
-        if (!take_magic()) return std::nullopt;
+        if (!read_magic()) return std::nullopt;
         place_ = Place::among;
     }
-    if (place_ == Place::at_end && take_magic()) place_ = Place::behind;
+    if (place_ == Place::at_end && read_magic()) place_ = Place::behind;
     if (place_ == Place::behind && unfinished() > 0) fault_ = "there is data after its end";
     if (place_ != Place::among) return std::nullopt;
 
@@ -50,7 +50,7 @@ std::optional<Record> Records::next() {
         fault_ = "a record is longer than 64 MiB";
         return std::nullopt;
     }
-    const auto record = take_record(rest);
+    const auto record = next_record(rest);
     if (!record) return std::nullopt;
     at_ += record->whole.size();
     position_ += record->whole.size();

@@ -14,7 +14,7 @@ namespace anogate::mcap {
 class Records {
 public:
     /// The next bytes of the file.
-    void give(std::string_view bytes);
+    void feed(std::string_view bytes);
     /// Valid until the next call.
     std::optional<Record> next();
 
@@ -30,7 +30,7 @@ public:
 
 private:
     enum class Place : std::uint8_t { before, among, at_end, behind };    // relative to the records
-    bool take_magic();
+    bool read_magic();
 
     std::string buffer_;
     std::size_t at_ = 0;    // end of the consumed part of buffer_

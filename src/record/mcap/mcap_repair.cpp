@@ -4,20 +4,20 @@
 
 namespace anogate {
 
-void McapRepair::give(std::string_view bytes) {
-    records_.give(bytes);
+void McapRepair::feed(std::string_view bytes) {
+    records_.feed(bytes);
     while (const auto record = records_.next()) {
         if (records_.position() == mcap::magic.size() + record->whole.size()) read_crc_.add(mcap::magic);
         before_crc_ = read_crc_;
         read_crc_.add(record->whole);
-        if (!is_data_over_) take(*record);
+        if (!is_data_over_) process(*record);
     }
 }
 
-void McapRepair::take(const mcap::Record& record) {
+void McapRepair::process(const mcap::Record& record) {
     switch (record.opcode) {
-    case mcap::Opcode::chunk: take_chunk(record); break;
-    case mcap::Opcode::message_index: take_index(record); break;
+    case mcap::Opcode::chunk: process_chunk(record); break;
+    case mcap::Opcode::message_index: process_index(record); break;
     case mcap::Opcode::metadata: {
         const std::string_view name = mcap::name_of_metadata(record.body);
         if (name == mcap::counts_name) break;    // written again at the end
@@ -31,7 +31,7 @@ void McapRepair::take(const mcap::Record& record) {
     case mcap::Opcode::channel:
     case mcap::Opcode::message:
         add_last_chunk();
-        take_inner(record, 0);
+        process_inner(record, 0);
         keep();
         break;
     case mcap::Opcode::data_end:
@@ -45,9 +45,9 @@ void McapRepair::keep() {
     kept_crc_ = read_crc_;
 }
 
-void McapRepair::take_chunk(const mcap::Record& record) {
+void McapRepair::process_chunk(const mcap::Record& record) {
     const mcap::ChunkFault fault = opener_.open(record.body, chunk_);
-    if (fault.why != nullptr) return take_damaged(record, fault);
+    if (fault.why != nullptr) return process_damaged(record, fault);
     const auto chunk = mcap::chunk_of(record.body);
     add_last_chunk();
     last_.emplace();
@@ -56,12 +56,12 @@ void McapRepair::take_chunk(const mcap::Record& record) {
                     record.whole.size(), last_->compression, chunk->records.size(),
                     chunk_.size()};
     std::string_view rest = chunk_;
-    while (const auto inner = mcap::take_record(rest)) take_inner(*inner, chunk_.size() - rest.size() - inner->whole.size());
+    while (const auto inner = mcap::next_record(rest)) process_inner(*inner, chunk_.size() - rest.size() - inner->whole.size());
     keep();
 }
 
 // Keeps everything before the damaged chunk, with indexes. Keeps the chunk itself only if an intact one follows.
-void McapRepair::take_damaged(const mcap::Record& record, const mcap::ChunkFault& fault) {
+void McapRepair::process_damaged(const mcap::Record& record, const mcap::ChunkFault& fault) {
     if (!fault.is_damage) return records_.refuse(fault.why, record);
     items_.miss_channels();
     if (!last_) return;
@@ -71,7 +71,7 @@ void McapRepair::take_damaged(const mcap::Record& record, const mcap::ChunkFault
 }
 
 // Also called for a record outside any chunk: it is counted, but is not indexed.
-void McapRepair::take_inner(const mcap::Record& record, std::uint64_t offset) {
+void McapRepair::process_inner(const mcap::Record& record, std::uint64_t offset) {
     constexpr std::size_t id_size = 2;
     if (record.body.size() < id_size) return;
     if (record.opcode == mcap::Opcode::schema) summary_.add_schema(record.whole);
@@ -87,7 +87,7 @@ void McapRepair::take_inner(const mcap::Record& record, std::uint64_t offset) {
     if (const auto item = items_.item_of(*message)) counts_.add(*item);
 }
 
-void McapRepair::take_index(const mcap::Record& record) {
+void McapRepair::process_index(const mcap::Record& record) {
     if (!last_) return;
     last_->offsets[mcap::Fields{record.body}.number<std::uint16_t>()] = records_.position() - record.whole.size();
     last_->index_size += record.whole.size();
@@ -113,7 +113,7 @@ std::string McapRepair::ending() const {
         summary.add_chunk(place, offsets, ending.size());
     }
     std::string metadata;
-    mcap::put_metadata(metadata, mcap::counts_name, {{"json", counts_.json()}});
+    mcap::append_metadata(metadata, mcap::counts_name, {{"json", counts_.json()}});
     summary.add_metadata(metadata, keep_ + ending.size());
     ending += metadata;
     Crc32 crc = kept_crc_;

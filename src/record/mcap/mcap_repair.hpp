@@ -33,15 +33,15 @@ struct KeptChunk {
 
 class McapRepair final : public RecordingRepair::Reading {
 public:
-    void give(std::string_view bytes) override;
+    void feed(std::string_view bytes) override;
     RecordingRepair::Result finish() override;
 
 private:
-    void take(const mcap::Record& record);
-    void take_chunk(const mcap::Record& record);
-    void take_damaged(const mcap::Record& record, const mcap::ChunkFault& fault);
-    void take_index(const mcap::Record& record);
-    void take_inner(const mcap::Record& record, std::uint64_t offset);
+    void process(const mcap::Record& record);
+    void process_chunk(const mcap::Record& record);
+    void process_damaged(const mcap::Record& record, const mcap::ChunkFault& fault);
+    void process_index(const mcap::Record& record);
+    void process_inner(const mcap::Record& record, std::uint64_t offset);
     void add_last_chunk();
     void keep();
     std::string ending() const;

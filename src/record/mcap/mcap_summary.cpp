@@ -22,12 +22,12 @@ public:
         put_records(out_);
         if (position() > from) groups_.push_back({opcode, from, position() - from});
     }
-    void put_offsets() {
+    void append_offsets() {
         for (const Group& group : groups_) {
             const std::size_t begun = begin_record(out_, Opcode::summary_offset);
-            put(out_, static_cast<std::uint8_t>(group.opcode));
-            put(out_, group.at);
-            put(out_, group.size);
+            append_le(out_, static_cast<std::uint8_t>(group.opcode));
+            append_le(out_, group.at);
+            append_le(out_, group.size);
             end_record(out_, begun);
         }
     }
@@ -44,11 +44,11 @@ private:
 };
 
 template <class T>
-void put_map(std::string& out, const std::map<std::uint16_t, T>& map) {
-    put(out, static_cast<std::uint32_t>(map.size() * (sizeof(std::uint16_t) + sizeof(T))));
+void append_map(std::string& out, const std::map<std::uint16_t, T>& map) {
+    append_le(out, static_cast<std::uint32_t>(map.size() * (sizeof(std::uint16_t) + sizeof(T))));
     for (const auto& [key, value] : map) {
-        put(out, key);
-        put(out, value);
+        append_le(out, key);
+        append_le(out, value);
     }
 }
 
@@ -66,46 +66,46 @@ void Summary::add_message(std::uint16_t channel, std::uint64_t log_time) {
 
 void Summary::add_chunk(const ChunkPlace& chunk, const IndexOffsets& offsets, std::uint64_t index_size) {
     const std::size_t begun = begin_record(chunks_, Opcode::chunk_index);
-    put(chunks_, chunk.first_time);
-    put(chunks_, chunk.last_time);
-    put(chunks_, chunk.at);
-    put(chunks_, chunk.size);
-    put_map(chunks_, offsets);
-    put(chunks_, index_size);
-    put_text(chunks_, chunk.compression);
-    put(chunks_, chunk.packed);
-    put(chunks_, chunk.unpacked);
+    append_le(chunks_, chunk.first_time);
+    append_le(chunks_, chunk.last_time);
+    append_le(chunks_, chunk.at);
+    append_le(chunks_, chunk.size);
+    append_map(chunks_, offsets);
+    append_le(chunks_, index_size);
+    append_string(chunks_, chunk.compression);
+    append_le(chunks_, chunk.packed);
+    append_le(chunks_, chunk.unpacked);
     end_record(chunks_, begun);
     ++chunk_count_;
 }
 
 void Summary::add_metadata(std::string_view record, std::uint64_t at) {
     const std::size_t begun = begin_record(metadata_, Opcode::metadata_index);
-    put(metadata_, at);
-    put(metadata_, static_cast<std::uint64_t>(record.size()));
-    put_text(metadata_, name_of_metadata(record.substr(record_head)));
+    append_le(metadata_, at);
+    append_le(metadata_, static_cast<std::uint64_t>(record.size()));
+    append_string(metadata_, name_of_metadata(record.substr(record_head)));
     end_record(metadata_, begun);
     ++metadata_count_;
 }
 
-void Summary::put_statistics(std::string& out) const {
+void Summary::append_statistics(std::string& out) const {
     const std::size_t begun = begin_record(out, Opcode::statistics);
-    put(out, message_count_);
-    put(out, static_cast<std::uint16_t>(schemas_.size()));
-    put(out, static_cast<std::uint32_t>(channels_.size()));
-    put(out, std::uint32_t{0});    // attachments
-    put(out, metadata_count_);
-    put(out, chunk_count_);
-    put(out, first_time_);
-    put(out, last_time_);
-    put_map(out, messages_);
+    append_le(out, message_count_);
+    append_le(out, static_cast<std::uint16_t>(schemas_.size()));
+    append_le(out, static_cast<std::uint32_t>(channels_.size()));
+    append_le(out, std::uint32_t{0});    // attachments
+    append_le(out, metadata_count_);
+    append_le(out, chunk_count_);
+    append_le(out, first_time_);
+    append_le(out, last_time_);
+    append_map(out, messages_);
     end_record(out, begun);
 }
 
 void Summary::append(std::string& out, std::uint64_t at, std::uint32_t data_crc) const {
     const std::size_t before = out.size();
     const std::size_t data_end = begin_record(out, Opcode::data_end);
-    put(out, data_crc);
+    append_le(out, data_crc);
     end_record(out, data_end);
 
     const std::size_t begin = out.size();
@@ -118,18 +118,18 @@ void Summary::append(std::string& out, std::uint64_t at, std::uint32_t data_crc)
     };
     groups.add(Opcode::schema, all(schemas_));
     groups.add(Opcode::channel, all(channels_));
-    groups.add(Opcode::statistics, [this](std::string& to) { put_statistics(to); });
+    groups.add(Opcode::statistics, [this](std::string& to) { append_statistics(to); });
     groups.add(Opcode::chunk_index, [this](std::string& to) { to += chunks_; });
     groups.add(Opcode::metadata_index, [this](std::string& to) { to += metadata_; });
     const std::uint64_t offsets_start = groups.position();
-    groups.put_offsets();
+    groups.append_offsets();
 
     const std::size_t footer = begin_record(out, Opcode::footer);
-    put(out, summary_start);
-    put(out, offsets_start);
+    append_le(out, summary_start);
+    append_le(out, offsets_start);
     ano::store(reinterpret_cast<std::uint8_t*>(out.data()) + footer - 8,
                std::uint64_t{footer_size - record_head});    // set before the CRC, which covers it
-    put(out, crc32_of(std::string_view{out}.substr(begin)));
+    append_le(out, crc32_of(std::string_view{out}.substr(begin)));
     out += magic;
 }
 

@@ -36,7 +36,7 @@ public:
     void append(std::string& out, std::uint64_t at, std::uint32_t data_crc) const;
 
 private:
-    void put_statistics(std::string& out) const;
+    void append_statistics(std::string& out) const;
 
     std::map<std::uint16_t, std::string> schemas_, channels_;    // complete records
     std::string chunks_, metadata_;                              // ChunkIndex and MetadataIndex records

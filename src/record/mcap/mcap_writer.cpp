@@ -16,23 +16,24 @@ McapWriter::McapWriter(const RecordingHead& head, std::string& out, RecordingOpt
     const std::string_view program = text_that_fits(head.program);
     record_ = mcap::magic;
     const std::size_t begun = mcap::begin_record(record_, mcap::Opcode::header);
-    mcap::put_text(record_, encoding_ == DecodedEncoding::cdr ? "ros2" : "");    // the profile requires CDR in the whole file
-    mcap::put_text(record_, program);
+    mcap::append_string(record_,
+                        encoding_ == DecodedEncoding::cdr ? "ros2" : "");    // the profile requires CDR in the whole file
+    mcap::append_string(record_, program);
     mcap::end_record(record_, begun);
     append(out, record_);
 
     record_.clear();
-    mcap::put_metadata(
+    mcap::append_metadata(
         record_, mcap::head_name,
         {{"program", program}, {"time_ns", std::to_string(head.time_ns)}, {"boottime_ns", std::to_string(head.boottime_ns)}});
     summary_.add_metadata(record_, position_);
     append(out, record_);
-    if (head.decoding && !head.decoding->is_usual()) put_decoding(*head.decoding, out);
+    if (head.decoding && !head.decoding->is_usual()) write_decoding(*head.decoding, out);
 }
 
-void McapWriter::put_decoding(const Decoding& decoding, std::string& out) {
+void McapWriter::write_decoding(const Decoding& decoding, std::string& out) {
     record_.clear();
-    mcap::put_metadata(record_, mcap::decoding_name, {{"json", decoding.text()}, {"after_ns", std::to_string(last_ns_)}});
+    mcap::append_metadata(record_, mcap::decoding_name, {{"json", decoding.text()}, {"after_ns", std::to_string(last_ns_)}});
     summary_.add_metadata(record_, position_);
     append(out, record_);
 }
@@ -41,7 +42,7 @@ void McapWriter::put_decoding(const Decoding& decoding, std::string& out) {
 void McapWriter::use(const DecodingPtr& decoding, std::string& out) {
     flush(out);
     static const Decoding usual;
-    put_decoding(decoding ? *decoding : usual, out);
+    write_decoding(decoding ? *decoding : usual, out);
     decoded_.use(decoding);
 }
 
@@ -60,12 +61,12 @@ void McapWriter::define(std::uint16_t channel, std::string_view topic, const mca
     if (!schemas_[schema.id]) {
         schemas_[schema.id] = true;
         record_.clear();
-        mcap::put_schema(record_, schema);
+        mcap::append_schema(record_, schema);
         summary_.add_schema(record_);
         chunk_.add_record(record_);
     }
     record_.clear();
-    mcap::put_channel(record_, {channel, schema.id, topic, encoding});
+    mcap::append_channel(record_, {channel, schema.id, topic, encoding});
     summary_.add_channel(record_);
     chunk_.add_record(record_);
 }
@@ -76,18 +77,18 @@ void McapWriter::put(std::uint16_t channel, std::uint64_t time_ns, std::string_v
 }
 
 void McapWriter::write(const RecordedFrame& frame, std::string& out) {
-    if (lost_ > 0) put_loss(frame.time_ns);
+    if (lost_ > 0) write_loss(frame.time_ns);
     define(frames_channel, mcap::frames_topic, {frame_schema, mcap::frame_schema_name, "ros2msg", mcap::frame_schema_text},
            "cdr");
     mcap::encode(frame, message_);
     put(frames_channel, frame.time_ns, message_);
     counts_.add(frame);
     last_ns_ = frame.time_ns;
-    put_decoded(frame);
+    write_decoded(frame);
     if (chunk_.size() >= enough) flush(out);
 }
 
-void McapWriter::put_decoded(const RecordedFrame& frame) {
+void McapWriter::write_decoded(const RecordedFrame& frame) {
     for (const DecodedMessage& message : decoded_.decode(frame)) {
         const DecodedChannel& channel = decoded_.channels()[message.channel];
         const DecodedSchema& schema = decoded_.schemas()[channel.schema];
@@ -107,7 +108,7 @@ void McapWriter::write(const RecordedLoss& loss) {
     lost_names_.resize(text_that_fits(lost_names_).size());
 }
 
-void McapWriter::put_loss(std::uint64_t time_ns) {
+void McapWriter::write_loss(std::uint64_t time_ns) {
     const RecordedLoss loss{std::exchange(lost_, 0), lost_names_};
     define(losses_channel, mcap::losses_topic, {loss_schema, mcap::loss_schema_name, "ros2msg", mcap::loss_schema_text}, "cdr");
     mcap::encode(loss, message_);
@@ -118,7 +119,7 @@ void McapWriter::put_loss(std::uint64_t time_ns) {
 
 // A loss without a following frame gets the time of the last frame, so that a file that ends here contains it.
 void McapWriter::flush(std::string& out) {
-    if (lost_ > 0) put_loss(last_ns_);
+    if (lost_ > 0) write_loss(last_ns_);
     const std::size_t before = out.size();
     chunk_.end(out, position_, summary_);
     const auto chunk = std::string_view{out}.substr(before);
@@ -129,7 +130,7 @@ void McapWriter::flush(std::string& out) {
 void McapWriter::end(std::string& out) {
     flush(out);
     record_.clear();
-    mcap::put_metadata(record_, mcap::counts_name, {{"json", counts_.json()}});
+    mcap::append_metadata(record_, mcap::counts_name, {{"json", counts_.json()}});
     summary_.add_metadata(record_, position_);
     append(out, record_);
     summary_.append(out, position_, crc_.value());

@@ -31,11 +31,11 @@ public:
     void end(std::string& out) override;
 
 private:
-    void put_loss(std::uint64_t time_ns);
-    void put_decoded(const RecordedFrame& frame);
+    void write_loss(std::uint64_t time_ns);
+    void write_decoded(const RecordedFrame& frame);
     void define(std::uint16_t channel, std::string_view topic, const mcap::SchemaRecord& schema, std::string_view encoding);
     void put(std::uint16_t channel, std::uint64_t time_ns, std::string_view data);
-    void put_decoding(const Decoding& decoding, std::string& out);
+    void write_decoding(const Decoding& decoding, std::string& out);
     void append(std::string& out, std::string_view bytes);
 
     DecodedEncoding encoding_;

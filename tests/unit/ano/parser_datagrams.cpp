@@ -7,29 +7,29 @@ namespace {
 
 TEST(FrameParser, continues_a_partial_frame_of_the_previous_datagram) {
     Line line;
-    line.put_datagram(numbered(1) + begin_of(numbered(2), 7));
+    line.feed_datagram(numbered(1) + begin_of(numbered(2), 7));
     line.pass(99ms);
-    line.put_datagram(rest_of(numbered(2), 7) + numbered(3));
+    line.feed_datagram(rest_of(numbered(2), 7) + numbered(3));
     EXPECT_EQ(line.frames, (Frames{numbered(1), numbered(2), numbered(3)}));
     EXPECT_EQ(line.counters().skipped_bytes, 0u);
 }
 
 TEST(FrameParser, abandons_a_partial_frame_of_a_datagram_after_100_ms) {
     Line line;
-    line.put_datagram(begin_of(numbered(2), 7));
+    line.feed_datagram(begin_of(numbered(2), 7));
     line.pass(100ms);
-    line.put_datagram(rest_of(numbered(2), 7) + numbered(3));
+    line.feed_datagram(rest_of(numbered(2), 7) + numbered(3));
     EXPECT_EQ(line.frames, Frames{numbered(3)});
     EXPECT_EQ(line.counters().expired, 1u);
 }
 
 TEST(FrameParser, abandons_a_partial_frame_when_a_datagram_starts_with_a_complete_valid_frame) {
     Line line;
-    line.put_datagram(begin_of(numbered(1), 7));
-    line.put_datagram(numbered(2) + begin_of(numbered(3), 7));
+    line.feed_datagram(begin_of(numbered(1), 7));
+    line.feed_datagram(numbered(2) + begin_of(numbered(3), 7));
     EXPECT_EQ(line.frames, Frames{numbered(2)});
     EXPECT_EQ(line.counters().skipped_bytes, 7u);
-    line.put_datagram(rest_of(numbered(3), 7));
+    line.feed_datagram(rest_of(numbered(3), 7));
     EXPECT_EQ(line.frames, (Frames{numbered(2), numbered(3)}));
 }
 
@@ -41,8 +41,8 @@ TEST(FrameParser, keeps_a_partial_frame_when_a_datagram_starts_with_a_frame_larg
     datagram.resize(ano::overhead + 41);
     ano::seal(datagram);
     ASSERT_TRUE(ano::frame_at(datagram));
-    line.put_datagram(begin_of(outer, 16));
-    line.put_datagram(datagram);
+    line.feed_datagram(begin_of(outer, 16));
+    line.feed_datagram(datagram);
     EXPECT_EQ(line.frames, Frames{outer});
 }
 
@@ -50,19 +50,19 @@ TEST(FrameParser, finds_the_frames_inside_an_abandoned_partial_frame) {
     const Tunnel tunnel;
     for (const ano::Duration pause : {ano::Duration{1ms}, ano::Duration{100ms}}) {
         Line line;
-        line.put_datagram(begin_of(tunnel.whole, tunnel.cut));
+        line.feed_datagram(begin_of(tunnel.whole, tunnel.cut));
         EXPECT_TRUE(line.frames.empty());
         line.pass(pause);
-        line.put_datagram(numbered(3));
+        line.feed_datagram(numbered(3));
         EXPECT_EQ(line.frames, (Frames{tunnel.first, tunnel.second, numbered(3)}));
     }
 }
 
 TEST(FrameParser, does_not_join_a_candidate_inside_an_abandoned_partial_frame_with_the_next_datagram) {
     Line line;
-    line.put_datagram(header(200) + begin_of(numbered(1), 10));
+    line.feed_datagram(header(200) + begin_of(numbered(1), 10));
     line.pass(100ms);
-    line.put_datagram(rest_of(numbered(1), 10) + numbered(2));
+    line.feed_datagram(rest_of(numbered(1), 10) + numbered(2));
     EXPECT_EQ(line.frames, Frames{numbered(2)});
     EXPECT_EQ(line.counters().expired, 2u);
 }
@@ -72,9 +72,9 @@ TEST(FrameParser, parses_a_datagram_larger_than_its_buffer_in_parts) {
     Frames sent;
     Bytes datagram;
     for (unsigned i = 0; datagram.size() < 60000; ++i) datagram = datagram + sent.emplace_back(numbered(i));
-    line.put_datagram(begin_of(numbered(9999), 15));
+    line.feed_datagram(begin_of(numbered(9999), 15));
     ASSERT_LT(line.parser.prepare().size(), datagram.size());
-    line.put_datagram(datagram);
+    line.feed_datagram(datagram);
     EXPECT_EQ(line.frames, sent);
     EXPECT_EQ(line.counters().skipped_bytes, 15u);
 }
@@ -86,17 +86,17 @@ TEST(FrameParser, parses_a_datagram_of_60_frames) {
     Line line;
     for (int i = 0; i < 5; ++i) {
         line.frames.clear();
-        line.put_datagram(datagram);
+        line.feed_datagram(datagram);
         EXPECT_EQ(line.frames, sent);
     }
 }
 
 TEST(FrameParser, ignores_an_empty_datagram) {
     Line line;
-    line.put_datagram({});
-    line.put_datagram(begin_of(numbered(1), 7));
-    line.put_datagram({});
-    line.put_datagram(rest_of(numbered(1), 7));
+    line.feed_datagram({});
+    line.feed_datagram(begin_of(numbered(1), 7));
+    line.feed_datagram({});
+    line.feed_datagram(rest_of(numbered(1), 7));
     EXPECT_EQ(line.frames, Frames{numbered(1)});
 }
 

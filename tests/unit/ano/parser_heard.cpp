@@ -141,8 +141,8 @@ TEST(FrameParser, abandons_one_candidate_at_a_time) {
 TEST(FrameParser, keeps_the_seen_sources_and_lengths_after_the_end_of_input) {
     HeardLine line;
     line.finish();
-    line.put_datagram(begin_of(numbered(3), 7));
-    line.put_datagram(header(1000, stranger) + pair_of_frames);
+    line.feed_datagram(begin_of(numbered(3), 7));
+    line.feed_datagram(header(1000, stranger) + pair_of_frames);
     line.finish();
     line.put(header(1000, stranger) + pair_of_frames);
     EXPECT_EQ(line.frames.size(), 4u);

@@ -29,7 +29,7 @@ TEST(ParserImages, an_image_of_19217_bytes_passes_by_default_however_it_is_split
         EXPECT_EQ(line.counters().skipped_bytes, 0u);
     }
     Line datagrams;
-    datagrams.put_datagram(picture());
+    datagrams.feed_datagram(picture());
     EXPECT_EQ(datagrams.frames, Frames{picture()});
 }
 

@@ -39,7 +39,7 @@ public:
             take();
         }
     }
-    void put_datagram(const Bytes& bytes, std::size_t at_once = SIZE_MAX) {
+    void feed_datagram(const Bytes& bytes, std::size_t at_once = SIZE_MAX) {
         parser.begin_datagram(bytes, now);
         take();
         put(bytes, at_once);

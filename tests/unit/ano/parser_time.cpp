@@ -171,7 +171,7 @@ TEST(FrameParser, allows_pauses_up_to_the_frame_gap_on_fast_lines_and_between_da
             Line line{{.line_rate = 50'000, .frame_gap = 400ms}};
             for (std::size_t i = 0; i < frame.size(); i += 20) {
                 const Bytes piece = begin_of(rest_of(frame, i), std::min<std::size_t>(20, frame.size() - i));
-                datagrams ? line.put_datagram(piece) : line.put(piece);
+                datagrams ? line.feed_datagram(piece) : line.put(piece);
                 EXPECT_EQ(line.parser.deadline().value_or(line.now + 400ms), line.now + 400ms);
                 line.pass(pause);
                 line.expire();

@@ -45,7 +45,7 @@ public:
             take();
         }
     }
-    void put_datagram(const Bytes& bytes) {
+    void feed_datagram(const Bytes& bytes) {
         parser.begin_datagram(bytes, now);
         take();
         put(bytes);
@@ -202,16 +202,16 @@ TEST(V7Parser, the_rest_of_a_frame_is_waited_for_200_ms) {
 
 TEST(V7Parser, a_datagram_that_begins_with_a_frame_ends_the_one_before) {
     V7Line line;
-    line.put_datagram(Bytes{0xAA, 0xAF, 0x0D, 200});
-    line.put_datagram(good);
+    line.feed_datagram(Bytes{0xAA, 0xAF, 0x0D, 200});
+    line.feed_datagram(good);
     EXPECT_EQ(line.frames, Frames{good});
-    line.put_datagram({good.begin(), good.begin() + 5});
+    line.feed_datagram({good.begin(), good.begin() + 5});
     line.now += 99ms;
-    line.put_datagram({good.begin() + 5, good.end()});
+    line.feed_datagram({good.begin() + 5, good.end()});
     EXPECT_EQ(line.frames, Frames(2, good));
-    line.put_datagram({good.begin(), good.begin() + 5});
+    line.feed_datagram({good.begin(), good.begin() + 5});
     line.now += 100ms;
-    line.put_datagram({good.begin() + 5, good.end()});
+    line.feed_datagram({good.begin() + 5, good.end()});
     EXPECT_EQ(line.frames, Frames(2, good));
 }
 

@@ -154,12 +154,12 @@ TEST(Anoctl, rejects_a_count_that_is_not_a_positive_number) {
 }
 
 TEST(Anoctl, disables_colours_according_to_the_environment) {
-    EXPECT_TRUE(anoctl::wants_color(nullptr, "xterm"));
-    EXPECT_TRUE(anoctl::wants_color("", "xterm"));    // by the rule of no-color.org
-    EXPECT_FALSE(anoctl::wants_color("1", "xterm"));
-    EXPECT_FALSE(anoctl::wants_color("0", "xterm"));
-    EXPECT_FALSE(anoctl::wants_color(nullptr, "dumb"));
-    EXPECT_FALSE(anoctl::wants_color(nullptr, nullptr));
+    EXPECT_TRUE(anoctl::use_color(nullptr, "xterm"));
+    EXPECT_TRUE(anoctl::use_color("", "xterm"));    // by the rule of no-color.org
+    EXPECT_FALSE(anoctl::use_color("1", "xterm"));
+    EXPECT_FALSE(anoctl::use_color("0", "xterm"));
+    EXPECT_FALSE(anoctl::use_color(nullptr, "dumb"));
+    EXPECT_FALSE(anoctl::use_color(nullptr, nullptr));
 }
 
 TEST(Anoctl, accepts_help_and_version_but_not_an_empty_command_line) {

@@ -104,10 +104,10 @@ TEST(GatewayJson, an_error_response_is_reported_with_its_text) {
     anogate::http::Answer answer;
     answer.status = 404;
     answer.body = R"({"error": "there is nothing", "what": "unknown"})";
-    EXPECT_EQ(words_of(answer), "there is nothing");
+    EXPECT_EQ(format_failure(answer), "there is nothing");
     for (const char* body : {"", "<html>", "[]", "{}", R"({"error": 7})"}) {
         answer.body = body;
-        EXPECT_EQ(words_of(answer), "the gateway returned HTTP status 404") << body;
+        EXPECT_EQ(format_failure(answer), "the gateway returned HTTP status 404") << body;
     }
 }
 

@@ -16,7 +16,7 @@ using namespace support;
 struct BadJson {
     std::string what;
     std::function<std::string(const std::string& inner)> around;    // `inner`: members of an object
-    std::string says;
+    std::string expected_error;
 };
 
 const std::vector<BadJson> all_bad{
@@ -46,11 +46,11 @@ TEST(JsonFiles, with_malformed_json_are_rejected_before_anything_is_done) {
                                                    {"decode", "AB", "--config", config}}) {
             const AnoctlResult ran = support::anoctl(words);
             EXPECT_EQ(ran.exit, 2) << words[0] << ' ' << words[1] << ": " << ran.err;
-            EXPECT_NE(ran.err.find(bad.says), std::string::npos) << words[0] << ' ' << words[1] << ": " << ran.err;
+            EXPECT_NE(ran.err.find(bad.expected_error), std::string::npos) << words[0] << ' ' << words[1] << ": " << ran.err;
         }
         const AnoctlResult lines = support::anoctl({"encode", "-"}, bad.around(R"(, "id": 3)") + "\n");
         EXPECT_EQ(lines.exit, 2) << lines.err;
-        EXPECT_NE(lines.err.find(bad.says), std::string::npos) << lines.err;
+        EXPECT_NE(lines.err.find(bad.expected_error), std::string::npos) << lines.err;
     }
 }
 

@@ -19,11 +19,11 @@ TEST(KeptValues, are_not_overwritten_and_are_removed_when_no_longer_needed) {
     ::setenv("XDG_STATE_HOME", dir.path().c_str(), 1);
     const std::string file = dir / "anogate/calibration-0xDC-compass.json";
     EXPECT_EQ(keep_in_state_folder("calibration-0xDC-compass.json", "{}"), "");
-    EXPECT_EQ(support::text_of(file), "{}");
+    EXPECT_EQ(support::file_text(file), "{}");
     EXPECT_NE(keep_in_state_folder("calibration-0xDC-compass.json", "[]").find("anoctl param import " + file), std::string::npos);
-    EXPECT_EQ(support::text_of(file), "{}") << "the values from before the crash";
+    EXPECT_EQ(support::file_text(file), "{}") << "the values from before the crash";
     EXPECT_EQ(keep_in_state_folder("calibration-0xDC-compass.json", "[1]", anoctl::Earlier::replaced), "");
-    EXPECT_EQ(support::text_of(file), "[1]") << "of this run";
+    EXPECT_EQ(support::file_text(file), "[1]") << "of this run";
     EXPECT_EQ(keep_in_state_folder("calibration-0xDC-compass.json", ""), "");
     EXPECT_FALSE(std::filesystem::exists(file));
     ::setenv("XDG_STATE_HOME", (dir / "nothing").c_str(), 1);

@@ -18,8 +18,8 @@ using namespace std::chrono_literals;
 using support::Bytes;
 using support::operator+;
 
-struct Taker final : FrameTaker {
-    bool take(ano::FrameView, const Passage&) override { return ++frames < most; }
+struct Taker final : FrameReceiver {
+    bool accept(ano::FrameView, const Passage&) override { return ++frames < most; }
     bool flush() override { return true; }
     void miss(std::uint64_t, const std::string&, std::string_view) override {}
     int frames = 0, most = 1'000;

@@ -29,8 +29,8 @@ Bytes image(std::uint16_t flag, std::uint8_t color, std::uint16_t width, std::ui
     return support::frame(source, 0xFE, 0xB0, data + pixels);
 }
 
-Pictures::Taken take(Pictures& pictures, const Bytes& frame, ano::TimePoint now = start) {
-    return pictures.take(ano::FrameView{frame}, now, 5.0);
+Pictures::Taken accept(Pictures& pictures, const Bytes& frame, ano::TimePoint now = start) {
+    return pictures.accept(ano::FrameView{frame}, now, 5.0);
 }
 
 /// Its pixels as red, green, blue.
@@ -48,8 +48,8 @@ Bytes decoded(const std::string& file, unsigned& width, unsigned& height) {
 
 TEST(Pictures, are_made_of_rows_in_several_frames) {
     Pictures pictures;
-    EXPECT_TRUE(take(pictures, image(7, 0, 2, 3, {1, 2})).ended.empty());
-    const auto taken = take(pictures, image(7, 0, 2, 3, {3, 4, 5, 6}));
+    EXPECT_TRUE(accept(pictures, image(7, 0, 2, 3, {1, 2})).ended.empty());
+    const auto taken = accept(pictures, image(7, 0, 2, 3, {3, 4, 5, 6}));
     ASSERT_EQ(taken.ended.size(), 1u);
     EXPECT_EQ(taken.ended[0].pixels, (Bytes{1, 2, 3, 4, 5, 6}));
     EXPECT_TRUE(taken.ended[0].is_whole());
@@ -60,10 +60,10 @@ TEST(Pictures, are_made_of_rows_in_several_frames) {
 
 TEST(Pictures, of_two_senders_are_kept_apart) {
     Pictures pictures;
-    take(pictures, image(1, 0, 1, 2, {1}, 0xDF));
-    take(pictures, image(1, 0, 1, 2, {2}, 0x15));
-    const auto first = take(pictures, image(1, 0, 1, 2, {3}, 0xDF)).ended;
-    const auto second = take(pictures, image(1, 0, 1, 2, {4}, 0x15)).ended;
+    accept(pictures, image(1, 0, 1, 2, {1}, 0xDF));
+    accept(pictures, image(1, 0, 1, 2, {2}, 0x15));
+    const auto first = accept(pictures, image(1, 0, 1, 2, {3}, 0xDF)).ended;
+    const auto second = accept(pictures, image(1, 0, 1, 2, {4}, 0x15)).ended;
     ASSERT_EQ(first.size(), 1u);
     EXPECT_EQ(first[0].pixels, (Bytes{1, 3}));
     ASSERT_EQ(second.size(), 1u);
@@ -73,20 +73,20 @@ TEST(Pictures, of_two_senders_are_kept_apart) {
 TEST(Pictures, mark_the_first_one_of_each_sender) {
     Pictures pictures;
     const auto is_first = [&](std::uint16_t flag, std::uint8_t source) {
-        return take(pictures, image(flag, 0, 1, 1, {1}, source)).ended.at(0).is_first;
+        return accept(pictures, image(flag, 0, 1, 1, {1}, source)).ended.at(0).is_first;
     };
     EXPECT_TRUE(is_first(1, 0xDF));
     EXPECT_FALSE(is_first(2, 0xDF));
     EXPECT_TRUE(is_first(1, 0x15));
-    take(pictures, image(3, 0, 1, 2, {1}));
+    accept(pictures, image(3, 0, 1, 2, {1}));
     EXPECT_FALSE(pictures.end().at(0).is_first);
 }
 
 TEST(Pictures, that_are_incomplete_end_when_the_next_one_begins) {
     const auto rows_of_first = [](const Bytes& next, ano::Duration later) {
         Pictures pictures;
-        take(pictures, image(1, 1, 16, 4, {1, 2, 3, 4}));
-        const auto ended = take(pictures, next, start + later).ended;
+        accept(pictures, image(1, 1, 16, 4, {1, 2, 3, 4}));
+        const auto ended = accept(pictures, next, start + later).ended;
         return ended.empty() || ended[0].is_whole() ? std::size_t{0} : ended[0].rows();
     };
     EXPECT_EQ(rows_of_first(image(2, 1, 16, 4, {1, 2}), 0s), 2u) << "another flag";
@@ -99,7 +99,7 @@ TEST(Pictures, that_are_incomplete_end_when_the_next_one_begins) {
 
 TEST(Pictures, that_are_incomplete_are_returned_at_the_end_of_input) {
     Pictures pictures;
-    take(pictures, image(1, 0, 1, 2, {1}));
+    accept(pictures, image(1, 0, 1, 2, {1}));
     const auto rest = pictures.end();
     ASSERT_EQ(rest.size(), 1u);
     EXPECT_FALSE(rest[0].is_whole());
@@ -108,8 +108,8 @@ TEST(Pictures, that_are_incomplete_are_returned_at_the_end_of_input) {
 
 TEST(Pictures, of_one_frame_also_end_an_incomplete_picture) {
     Pictures pictures;
-    take(pictures, image(1, 0, 1, 2, {1}));
-    const auto ended = take(pictures, image(2, 0, 1, 1, {9})).ended;
+    accept(pictures, image(1, 0, 1, 2, {1}));
+    const auto ended = accept(pictures, image(2, 0, 1, 1, {9})).ended;
     ASSERT_EQ(ended.size(), 2u);
     EXPECT_FALSE(ended[0].is_whole());
     EXPECT_EQ(ended[1].pixels, Bytes{9});
@@ -118,7 +118,7 @@ TEST(Pictures, of_one_frame_also_end_an_incomplete_picture) {
 TEST(Pictures, are_not_made_from_frames_with_impossible_values) {
     const auto fault = [](const Bytes& frame) {
         Pictures pictures;
-        auto taken = take(pictures, frame);
+        auto taken = accept(pictures, frame);
         EXPECT_TRUE(taken.ended.empty());
         EXPECT_TRUE(pictures.end().empty());
         return taken.fault;
@@ -136,7 +136,7 @@ TEST(Pictures, are_not_made_from_frames_with_impossible_values) {
 
 TEST(Pictures, round_the_row_size_up_to_whole_bytes) {
     Pictures pictures;
-    const auto ended = take(pictures, image(1, 1, 9, 1, {0xFF, 0x80})).ended;
+    const auto ended = accept(pictures, image(1, 1, 9, 1, {0xFF, 0x80})).ended;
     ASSERT_EQ(ended.size(), 1u);
     EXPECT_EQ(ended[0].row_bytes(), 2u);
 }
@@ -145,7 +145,7 @@ TEST(Png, has_all_seven_colours) {
     const Bytes expected[]{{5, 5, 5}, {255, 255, 255}, {255, 0, 0}, {0, 255, 0}, {0, 0, 255}, {255, 255, 0}, {160, 32, 240}};
     for (std::uint8_t color = 0; color < 7; ++color) {
         Pictures pictures;
-        const auto ended = take(pictures, color == 0 ? image(1, 0, 2, 1, {5, 0}) : image(1, color, 2, 1, {0x80})).ended;
+        const auto ended = accept(pictures, color == 0 ? image(1, 0, 2, 1, {5, 0}) : image(1, color, 2, 1, {0x80})).ended;
         ASSERT_EQ(ended.size(), 1u) << int{color};
         unsigned width = 0, height = 0;
         EXPECT_EQ(decoded(png_of(ended[0]), width, height), (expected[color] + Bytes{0, 0, 0})) << int{color};
@@ -159,7 +159,7 @@ TEST(Png, has_all_seven_colours) {
 
 TEST(Png, contains_only_the_received_rows) {
     Pictures pictures;
-    take(pictures, image(1, 0, 1, 5, {1, 2, 3}));
+    accept(pictures, image(1, 0, 1, 5, {1, 2, 3}));
     unsigned width = 0, height = 0;
     EXPECT_EQ(decoded(png_of(pictures.end().at(0)), width, height), (Bytes{1, 1, 1, 2, 2, 2, 3, 3, 3}));
     EXPECT_EQ(height, 3u);

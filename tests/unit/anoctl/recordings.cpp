@@ -18,8 +18,8 @@ namespace {
 
 using nlohmann::json;
 using support::anoctl;
+using support::file_text;
 using support::KeptItem;
-using support::text_of;
 
 constexpr std::uint64_t second = 1'000'000'000;
 
@@ -104,15 +104,15 @@ TEST(Convert, writes_one_table_per_message) {
     const auto made = anoctl({"convert", file, folder / "out.csv"});
     EXPECT_EQ(made.exit, 0) << made.err;
     EXPECT_NE(made.err.find("4 frames of "), std::string::npos);
-    const std::string euler = text_of(folder / "out-euler.csv");
+    const std::string euler = file_text(folder / "out-euler.csv");
     EXPECT_TRUE(euler.starts_with("time [s],link,peer,frame_direction,frame_cause,from,to,rol [°],")) << euler;
     EXPECT_NE(euler.find("\n1763898045.000000000,fc,,in,,220,254,1.23,0,0,1,,,\n"), std::string::npos) << euler;
-    EXPECT_NE(text_of(folder / "out-wind.csv").find("dropped,limited"), std::string::npos);
+    EXPECT_NE(file_text(folder / "out-wind.csv").find("dropped,limited"), std::string::npos);
     const auto again = anoctl({"convert", file, folder / "out.csv"});
     EXPECT_EQ(again.exit, 2);
     EXPECT_NE(again.err.find("already exists; use --force to overwrite it"), std::string::npos) << again.err;
     EXPECT_EQ(anoctl({"convert", file, folder / "out.csv", "--force"}).exit, 0);
-    EXPECT_EQ(text_of(folder / "out-euler.csv"), euler);
+    EXPECT_EQ(file_text(folder / "out-euler.csv"), euler);
 }
 
 TEST(Convert, names_the_written_files) {
@@ -143,14 +143,14 @@ TEST(Convert, writes_a_single_table_for_one_message) {
     const std::string file = folder.write("flight.pcapng", flight());
     EXPECT_EQ(anoctl({"convert", file, folder / "one.csv", "--id", "euler"}).exit, 0);
     EXPECT_TRUE(std::filesystem::exists(folder / "one.csv"));
-    EXPECT_EQ(anoctl({"convert", file, "-", "--id", "euler"}).out, text_of(folder / "one.csv"));
+    EXPECT_EQ(anoctl({"convert", file, "-", "--id", "euler"}).out, file_text(folder / "one.csv"));
 }
 
 TEST(Convert, writes_lines_of_json) {
     const support::TempDir folder;
     const std::string file = folder.write("flight.pcapng", flight());
     EXPECT_EQ(anoctl({"convert", file, folder / "out.ndjson"}).exit, 0);
-    const std::string lines = text_of(folder / "out.ndjson");
+    const std::string lines = file_text(folder / "out.ndjson");
     EXPECT_EQ(std::count(lines.begin(), lines.end(), '\n'), 5);
     EXPECT_EQ(json::parse(lines.substr(0, lines.find('\n')))["fields"]["rol"], 1.23);
     EXPECT_EQ(anoctl({"convert", file, "-"}).out, lines);
@@ -160,9 +160,9 @@ TEST(Convert, writes_part_of_a_recording_or_a_copy_with_the_same_bytes) {
     const support::TempDir folder;
     const std::string file = folder.write("flight.pcapng", flight());
     EXPECT_EQ(anoctl({"convert", file, folder / "all.pcapng"}).exit, 0);
-    EXPECT_EQ(text_of(folder / "all.pcapng"), flight());
+    EXPECT_EQ(file_text(folder / "all.pcapng"), flight());
     EXPECT_EQ(anoctl({"convert", file, folder / "part.pcapng", "--id", "wind"}).exit, 0);
-    EXPECT_EQ(support::read_pcapng(text_of(folder / "part.pcapng")).items.size(), 3u);    // with the loss
+    EXPECT_EQ(support::read_pcapng(file_text(folder / "part.pcapng")).items.size(), 3u);    // with the loss
 }
 
 TEST(Convert, rejects_unusable_output_files) {
@@ -170,7 +170,7 @@ TEST(Convert, rejects_unusable_output_files) {
     const std::string file = folder.write("flight.pcapng", flight());
     EXPECT_EQ(anoctl({"convert", file, folder / "out.xlsx"}).exit, 2);
     EXPECT_EQ(anoctl({"convert", file, file, "--force"}).exit, 2);
-    EXPECT_EQ(text_of(file), flight());
+    EXPECT_EQ(file_text(file), flight());
     EXPECT_EQ(anoctl({"convert", file, folder / "no/such/folder.ndjson"}).exit, 2);
     EXPECT_EQ(anoctl({"convert", file, "/dev/full", "--force"}).exit, 2);    // no ending
 }
@@ -189,13 +189,13 @@ TEST(Convert, writes_mcap_that_converts_back_to_the_same_pcapng) {
     const support::TempDir folder;
     const std::string file = folder.write("flight.pcapng", flight());
     EXPECT_EQ(anoctl({"convert", file, folder / "flight.mcap"}).exit, 0);
-    const auto read = support::read_recording(text_of(folder / "flight.mcap"));
+    const auto read = support::read_recording(file_text(folder / "flight.mcap"));
     EXPECT_EQ(read.items, support::read_recording(flight()).items);
     EXPECT_TRUE(read.has_end);
     EXPECT_EQ(anoctl({"convert", folder / "flight.mcap", folder / "again.pcapng"}).exit, 0);
-    EXPECT_EQ(text_of(folder / "again.pcapng"), flight());
+    EXPECT_EQ(file_text(folder / "again.pcapng"), flight());
     EXPECT_EQ(anoctl({"convert", folder / "flight.mcap", folder / "again.mcap"}).exit, 0);
-    EXPECT_EQ(text_of(folder / "again.mcap"), text_of(folder / "flight.mcap"));
+    EXPECT_EQ(file_text(folder / "again.mcap"), file_text(folder / "flight.mcap"));
     EXPECT_EQ(anoctl({"convert", folder / "flight.mcap", "-"}).out, anoctl({"convert", file, "-"}).out);
 }
 
@@ -203,8 +203,8 @@ TEST(Convert, writes_decoded_messages_in_the_requested_encoding) {
     const support::TempDir folder;
     const std::string file = folder.write("flight.pcapng", flight());
     EXPECT_EQ(anoctl({"convert", file, folder / "a.mcap", "--message-encoding", "json"}).exit, 0);
-    EXPECT_NE(text_of(folder / "a.mcap").find("jsonschema"), std::string::npos);    // in the summary, which is not compressed
-    EXPECT_EQ(text_of(folder / "a.mcap").find("ros2msg", text_of(folder / "a.mcap").find("jsonschema")), std::string::npos);
+    EXPECT_NE(file_text(folder / "a.mcap").find("jsonschema"), std::string::npos);    // in the summary, which is not compressed
+    EXPECT_EQ(file_text(folder / "a.mcap").find("ros2msg", file_text(folder / "a.mcap").find("jsonschema")), std::string::npos);
     EXPECT_EQ(anoctl({"convert", file, folder / "b.mcap", "--message-encoding", "xml"}).exit, 2);
     const auto other = anoctl({"convert", file, folder / "b.pcapng", "--message-encoding", "cdr"});
     EXPECT_EQ(other.exit, 2);
@@ -230,7 +230,7 @@ TEST(Info, shows_the_same_for_mcap_from_the_index_as_from_the_whole_file) {
 TEST(Info, reads_all_of_an_mcap_file_whose_index_is_missing_or_wrong) {
     const support::TempDir folder;
     ASSERT_EQ(anoctl({"convert", folder.write("flight.pcapng", flight()), folder / "flight.mcap"}).exit, 0);
-    const std::string whole = text_of(folder / "flight.mcap");
+    const std::string whole = file_text(folder / "flight.mcap");
     const auto cut = anoctl({"info", folder.write("cut.mcap", whole.substr(0, whole.size() - 100))});
     EXPECT_EQ(cut.exit, 0) << cut.err;
     EXPECT_NE(cut.out.find("4 frames in 2.0 s"), std::string::npos) << cut.out;
@@ -256,7 +256,7 @@ TEST(Info, finds_damage_outside_of_chunks) {
     const support::TempDir folder;
     const std::string file = folder / "flight.mcap";
     ASSERT_EQ(anoctl({"convert", folder.write("flight.pcapng", flight()), file}).exit, 0);
-    const std::string whole = text_of(file);
+    const std::string whole = file_text(file);
     EXPECT_EQ(json::parse(anoctl({"info", "--all", "--json", file}).out)["mismatches"], json::array());
     const std::size_t in_data = whole.find("anogate.recording") + 1, in_summary = whole.rfind("anogate.summary") + 1;
     const std::size_t in_footer = whole.size() - 8 - 4 - 1;    // the position of its offsets, before CRC and magic
@@ -273,7 +273,7 @@ TEST(Info, finds_damage_outside_of_chunks) {
         const auto made = anoctl({"convert", folder / "damaged.mcap", folder / "good.pcapng", "--force"});
         EXPECT_EQ(made.exit, 1);
         EXPECT_NE(made.err.find(words), std::string::npos) << made.err;
-        EXPECT_EQ(support::read_recording(text_of(folder / "good.pcapng")).items.size(), 5u);
+        EXPECT_EQ(support::read_recording(file_text(folder / "good.pcapng")).items.size(), 5u);
     }
 }
 
@@ -281,7 +281,7 @@ TEST(Info, accepts_a_file_whose_crc_is_absent) {
     const support::TempDir folder;
     const std::string file = folder / "flight.mcap";
     ASSERT_EQ(anoctl({"convert", folder.write("flight.pcapng", flight()), file}).exit, 0);
-    std::string whole = text_of(file);
+    std::string whole = file_text(file);
     whole.replace(whole.size() - 8 - 4, 4, 4, '\0');
     EXPECT_EQ(anoctl({"info", "--all", folder.write("untold.mcap", whole)}).exit, 0);
 }
@@ -302,7 +302,7 @@ TEST(Info, reports_damage_in_the_middle_and_reads_the_data_after_it) {
     const auto made = anoctl({"convert", folder.write("damaged.pcapng", damaged), folder / "good.pcapng"});
     EXPECT_EQ(made.exit, 1);
     EXPECT_NE(made.err.find("the block at byte "), std::string::npos) << made.err;
-    EXPECT_EQ(support::read_recording(text_of(folder / "good.pcapng")).skipped.count, 0u);
+    EXPECT_EQ(support::read_recording(file_text(folder / "good.pcapng")).skipped.count, 0u);
 }
 
 // A section header and the description of an interface with `link_type`, with a packet.
@@ -348,7 +348,7 @@ TEST(Record, accepts_endings_in_capitals_and_rejects_unknown_endings) {
     EXPECT_EQ(record("F.MCAP").err.find(".pcapng"), std::string::npos);
     const std::string file = folder.write("flight.pcapng", flight());
     EXPECT_EQ(anoctl({"convert", file, folder / "A.MCAP", "--message-encoding", "json"}).exit, 0);
-    EXPECT_TRUE(text_of(folder / "A.MCAP").starts_with(anogate::mcap::magic));
+    EXPECT_TRUE(file_text(folder / "A.MCAP").starts_with(anogate::mcap::magic));
     EXPECT_EQ(anoctl({"convert", file, folder / "A.CSV", "--id", "euler"}).exit, 0);
 }
 
@@ -378,8 +378,8 @@ TEST(WithoutAGateway, each_command_explains_how_to_continue) {
 TEST(Info, reports_that_an_mcap_file_of_another_program_contains_no_frames) {
     const support::TempDir folder;
     std::string file{anogate::mcap::magic};
-    anogate::mcap::put_channel(file, {1, 0, "/camera", "cdr"});
-    anogate::mcap::put_message(file, {1, 0, 1, 1, "abc"});
+    anogate::mcap::append_channel(file, {1, 0, "/camera", "cdr"});
+    anogate::mcap::append_message(file, {1, 0, 1, 1, "abc"});
     const auto said = anoctl({"info", folder.write("other.mcap", file)});
     EXPECT_EQ(said.exit, 1);
     EXPECT_NE(said.err.find("this MCAP file is not a recording of a gateway: it has no channel /anogate/frames"),

@@ -28,7 +28,7 @@ std::string changed(std::string text, support::Random& random) {
 TEST(ConfigCorpus, satisfies_the_invariants) {
     std::size_t seeds = 0;
     for (const auto& entry : std::filesystem::directory_iterator{support::source_file("tests/fuzz/corpus/config")}) {
-        const std::string text = support::text_of(entry.path());
+        const std::string text = support::file_text(entry.path());
         replay(text);
         support::Random random{++seeds};
         for (int i = 0; i < 500; ++i) replay(changed(text, random));

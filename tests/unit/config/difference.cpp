@@ -18,7 +18,7 @@ Settings settings(const std::string& json) {
 Difference between(const std::string& before, const std::string& after) { return difference(settings(before), settings(after)); }
 
 /// "fc changed: baud: 1 -> 2", one line per link.
-std::string told(const Difference& difference) {
+std::string format_difference(const Difference& difference) {
     std::string all;
     for (const LinkDifference& link : difference.links) {
         all += link.name + " " + std::string{text(link.change)};
@@ -33,7 +33,7 @@ TEST(Difference, of_identical_configurations_is_empty) {
         "routes": [{"address": 3, "link": "fc"}], "tunnel": {"links": ["x"]}, "alias": [{"link": "x", "device": 5, "as": 31}]})";
     const Difference d = between(config, config);
     EXPECT_TRUE(d.is_none());
-    EXPECT_EQ(told(d), "fc same\nx same\ntunnel same\n");
+    EXPECT_EQ(format_difference(d), "fc same\nx same\ntunnel same\n");
     EXPECT_TRUE(d.needs_restart.empty());
 }
 
@@ -41,7 +41,7 @@ TEST(Difference, is_reported_link_by_link) {
     const Difference d = between(
         R"({"links": ["serial:/dev/a,baud=500000,name=fc", "sim:fc,name=sim", "serial:/dev/b,name=gps"]})",
         R"({"links": ["pty:/run/x,name=app", "sim:fc,name=sim", "serial:/dev/a,baud=115200,name=fc"]})");
-    EXPECT_EQ(told(d), "app added\nsim same\nfc changed; baud: 500000 -> 115200\ngps removed\n");
+    EXPECT_EQ(format_difference(d), "app added\nsim same\nfc changed; baud: 500000 -> 115200\ngps removed\n");
     EXPECT_FALSE(d.is_none());
     EXPECT_EQ(d.of("app"), Change::added);
     EXPECT_EQ(d.of("gps"), Change::removed);
@@ -68,7 +68,7 @@ TEST(Difference, assigns_aliases_and_the_transceiver_to_their_links) {
     const std::string links = R"("links": ["serial:/dev/x,name=bus", "sim:fc"])";
     const Difference alias = between("{" + links + "}",
                                      "{" + links + R"(, "alias": [{"link": "bus", "device": "0xDE", "as": 31}]})");
-    EXPECT_EQ(told(alias), "bus changed; alias of 0xDE: not set -> 0x1F\nfc same\n");
+    EXPECT_EQ(format_difference(alias), "bus changed; alias of 0xDE: not set -> 0x1F\nfc same\n");
     const Difference rs485 = between(
         "{" + links + "}", "{" + links + R"(, "gpio": [{"chip": "gpiochip0", "line": 25, "use": "rs485", "link": "bus"}]})");
     EXPECT_EQ(rs485.of("bus"), Change::changed);
@@ -86,7 +86,7 @@ TEST(Difference, of_the_tunnel_is_reported_like_that_of_a_link) {
     EXPECT_EQ(between(with(R"(, "tunnel": {"links": ["fc"]})"), with("")).of("tunnel"), Change::removed);
     const Difference d = between(with(R"(, "tunnel": {"links": ["fc"]})"),
                                  with(R"(, "tunnel": {"links": ["fc", "two"], "port": 7})"));
-    EXPECT_EQ(told(d), "fc same\ntwo same\ntunnel changed; links: fc -> fc, two; port: 12333 -> 7\n");
+    EXPECT_EQ(format_difference(d), "fc same\ntwo same\ntunnel changed; links: fc -> fc, two; port: 12333 -> 7\n");
     EXPECT_EQ(between(with(R"(, "tunnel": {"links": ["fc"]})"), with(R"(, "tunnel": {"links": ["fc"]}, "gateway": {"id": 9})"))
                   .of("tunnel"),
               Change::changed)

@@ -34,7 +34,7 @@ void for_every_key(auto visit) {
     section("log", log_keys());
 }
 
-std::string sample() { return support::text_of(support::source_file("config/anogate.full.json")); }
+std::string sample() { return support::file_text(support::source_file("config/anogate.full.json")); }
 
 /// `text` with the commented-out examples activated: lines with // and no space after it. Other comments are kept.
 std::string with_examples(const std::string& text) {

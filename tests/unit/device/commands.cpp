@@ -35,14 +35,14 @@ Bytes packed(T v) {
 
 TEST(Commands, are_counted_and_described) {
     Device device{{.id = self}};
-    EXPECT_EQ(answer(device, how_many_commands()), says(0xC1, {0, 0, 0}));
+    EXPECT_EQ(answer(device, how_many_commands()), expected_reply(0xC1, {0, 0, 0}));
     device.commands().add({1, 0x80, 1}, "USERCMD1", "UserDefCmd1", [](std::uint8_t, std::int16_t, float) {});
     device.commands().add({9, 9, 9}, "REBOOT", "", [] {});
-    EXPECT_EQ(answer(device, how_many_commands()), says(0xC1, {0, 2, 0}));
+    EXPECT_EQ(answer(device, how_many_commands()), expected_reply(0xC1, {0, 2, 0}));
     // Example 2 of the protocol text.
-    EXPECT_EQ(answer(device, describe_command(0)),
-              says(0xC2, Bytes{0, 0, 1, 0x80, 1, 1, 4, 9, 0, 0, 0, 0, 0} + bytes("USERCMD1", 20) + bytes("UserDefCmd1")));
-    EXPECT_EQ(answer(device, describe_command(1)), says(0xC2, Bytes{1, 0, 9, 9, 9} + Bytes(8) + bytes("REBOOT", 20)));
+    EXPECT_EQ(answer(device, describe_command(0)), expected_reply(0xC2, Bytes{0, 0, 1, 0x80, 1, 1, 4, 9, 0, 0, 0, 0, 0} +
+                                                                            bytes("USERCMD1", 20) + bytes("UserDefCmd1")));
+    EXPECT_EQ(answer(device, describe_command(1)), expected_reply(0xC2, Bytes{1, 0, 9, 9, 9} + Bytes(8) + bytes("REBOOT", 20)));
     EXPECT_EQ(answer(device, describe_command(2)), silence);
     EXPECT_EQ(answer(device, ask(0xC1, {2, 0, 0})), silence);
     EXPECT_EQ(answer(device, ask(0xC1, {1, 0})), silence);
@@ -62,7 +62,8 @@ TEST(Commands, run_with_values_of_every_type) {
     device.commands().add({1, 2, 3}, "ALL", "",
                           [&](std::uint8_t a, std::int8_t b, std::uint16_t c, std::int16_t d, std::uint32_t e, std::int32_t f,
                               std::int64_t g, double h) { got = {a, b, c, d, e, f, g, h}; });
-    EXPECT_EQ(answer(device, describe_command(0)), says(0xC2, Bytes{0, 0, 1, 2, 3, 1, 2, 3, 4, 5, 6, 8, 10} + bytes("ALL", 20)));
+    EXPECT_EQ(answer(device, describe_command(0)),
+              expected_reply(0xC2, Bytes{0, 0, 1, 2, 3, 1, 2, 3, 4, 5, 6, 8, 10} + bytes("ALL", 20)));
     const Bytes values = packed(std::uint8_t{200}) + packed(std::int8_t{-3}) + packed(std::uint16_t{60000}) +
                          packed(std::int16_t{-5}) + packed(4000000000u) + packed(-7) + packed(INT64_MIN) + packed(0.1);
     const Bytes command = run({1, 2, 3}, values);
@@ -79,7 +80,8 @@ TEST(Commands, interpret_type_7_according_to_the_profile) {
     std::uint64_t wide = 0;
     float narrow = 0;
     field.commands().add({1, 0, 0}, "BOTH", "", [&](std::uint64_t a, float b) { wide = a, narrow = b; });
-    EXPECT_EQ(answer(field, describe_command(0)), says(0xC2, Bytes{0, 0, 1, 0, 0, 7, 9, 0, 0, 0, 0, 0, 0} + bytes("BOTH", 20)));
+    EXPECT_EQ(answer(field, describe_command(0)),
+              expected_reply(0xC2, Bytes{0, 0, 1, 0, 0, 7, 9, 0, 0, 0, 0, 0, 0} + bytes("BOTH", 20)));
     EXPECT_NE(answer(field, run({1, 0, 0}, packed(UINT64_MAX) + packed(0.5f))), silence);
     EXPECT_EQ(wide, UINT64_MAX);
     EXPECT_EQ(narrow, 0.5f);
@@ -88,9 +90,11 @@ TEST(Commands, interpret_type_7_according_to_the_profile) {
 TEST(Commands, of_an_old_device_have_f32_as_type_7) {
     Device old{{.id = self}, {.old_layouts = true}};
     old.commands().add({1, 0, 0}, "F32", "", [](float) {});
-    EXPECT_EQ(answer(old, describe_command(0)), says(0xC2, Bytes{0, 0, 1, 0, 0, 7, 0, 0, 0, 0, 0, 0, 0} + bytes("F32", 20)));
+    EXPECT_EQ(answer(old, describe_command(0)),
+              expected_reply(0xC2, Bytes{0, 0, 1, 0, 0, 7, 0, 0, 0, 0, 0, 0, 0} + bytes("F32", 20)));
     old.commands().add({1, 0, 1}, "I64", "", [](std::int64_t) {});
-    EXPECT_EQ(answer(old, describe_command(0)), says(0xC2, Bytes{0, 0, 1, 0, 0, 9, 0, 0, 0, 0, 0, 0, 0} + bytes("F32", 20)))
+    EXPECT_EQ(answer(old, describe_command(0)),
+              expected_reply(0xC2, Bytes{0, 0, 1, 0, 0, 9, 0, 0, 0, 0, 0, 0, 0} + bytes("F32", 20)))
         << "hosts take a device with such a type for one of the newest";
 }
 

@@ -25,7 +25,8 @@ const Bytes who_are_you{0, 0, 0};
 
 TEST(Device, reports_its_device_information) {
     Device device{thermometer};
-    EXPECT_EQ(answer(device, ask(0xE0, who_are_you)), says(0xE3, Bytes{self, 3, 0, 2, 1, 7, 0, 0x2A, 3} + bytes("Thermometer")));
+    EXPECT_EQ(answer(device, ask(0xE0, who_are_you)),
+              expected_reply(0xE3, Bytes{self, 3, 0, 2, 1, 7, 0, 0x2A, 3} + bytes("Thermometer")));
 }
 
 TEST(Device, answers_like_a_vendor_device) {

@@ -27,8 +27,10 @@ Bytes le(std::uint64_t value, std::size_t size) {
     return result;
 }
 Bytes code(std::uint16_t code) { return ask(0xF0, Bytes{0} + le(code, 2)); }
-Bytes says_code(std::uint16_t code) { return says(0xF0, Bytes{0} + le(code, 2)); }
-Bytes says_of_frame(std::uint16_t code, std::uint16_t number) { return says(0xF0, Bytes{0} + le(code, 2) + le(number, 2)); }
+Bytes code_reply(std::uint16_t code) { return expected_reply(0xF0, Bytes{0} + le(code, 2)); }
+Bytes frame_reply(std::uint16_t code, std::uint16_t number) {
+    return expected_reply(0xF0, Bytes{0} + le(code, 2) + le(number, 2));
+}
 Bytes image_info(const ImageInfo& i) {
     return ask(0xF0, Bytes{1} + le(i.size, 4) + le(i.frame_size, 2) + le(i.crc, 2) + le(i.version, 2) + le(i.hw_type, 1) +
                          le(i.hw_ver_min, 2) + le(i.hw_ver_max, 2) + le(i.cmd, 4));
@@ -74,10 +76,10 @@ struct Loader {
     Bytes frame(std::uint16_t number) const { return image_frame(number, part(number)); }
     void begin() {
         device.firmware().allow(flash);
-        ASSERT_EQ(answer(device, image_info(info())), says_code(0x0102));
-        ASSERT_EQ(answer(device, erase), says_code(0x0112));
+        ASSERT_EQ(answer(device, image_info(info())), code_reply(0x0102));
+        ASSERT_EQ(answer(device, erase), code_reply(0x0112));
     }
-    void write(std::uint16_t number) { ASSERT_EQ(answer(device, frame(number)), says_of_frame(0x1002, number)) << number; }
+    void write(std::uint16_t number) { ASSERT_EQ(answer(device, frame(number)), frame_reply(0x1002, number)) << number; }
 
     Device device;
     Flash flash;
@@ -92,7 +94,7 @@ TEST(Firmware, accepts_a_bin) {
     Loader loader;
     loader.begin();
     for (const std::uint8_t number : Bytes{0, 1, 2}) loader.write(number);
-    EXPECT_EQ(answer(loader.device, all_sent), says_code(0x1012));
+    EXPECT_EQ(answer(loader.device, all_sent), code_reply(0x1012));
     EXPECT_EQ(loader.installed, loader.image);
     EXPECT_EQ(loader.device.firmware().state(), State::passed);
 }
@@ -100,12 +102,12 @@ TEST(Firmware, accepts_a_bin) {
 TEST(Firmware, sends_codes_high_byte_first_if_its_profile_requires_it) {
     Loader loader{Profile{.firmware_order = ano::ByteOrder::big}};
     loader.device.firmware().allow(loader.flash);
-    EXPECT_EQ(answer(loader.device, image_info(loader.info())), says(0xF0, {0, 0x01, 0x02}));
-    EXPECT_EQ(answer(loader.device, ask(0xF0, {0, 0x01, 0x10})), says(0xF0, {0, 0x01, 0x12}));
-    EXPECT_EQ(answer(loader.device, image_frame(2, {})), says(0xF0, {0, 0x10, 0x01, 2, 0})) << "failed";
+    EXPECT_EQ(answer(loader.device, image_info(loader.info())), expected_reply(0xF0, {0, 0x01, 0x02}));
+    EXPECT_EQ(answer(loader.device, ask(0xF0, {0, 0x01, 0x10})), expected_reply(0xF0, {0, 0x01, 0x12}));
+    EXPECT_EQ(answer(loader.device, image_frame(2, {})), expected_reply(0xF0, {0, 0x10, 0x01, 2, 0})) << "failed";
     for (const std::uint8_t number : Bytes{0, 1, 2})
-        EXPECT_EQ(answer(loader.device, loader.frame(number)), says(0xF0, {0, 0x10, 0x02, number, 0}));
-    EXPECT_EQ(answer(loader.device, all_sent), says(0xF0, {0, 0x10, 0x12}));
+        EXPECT_EQ(answer(loader.device, loader.frame(number)), expected_reply(0xF0, {0, 0x10, 0x02, number, 0}));
+    EXPECT_EQ(answer(loader.device, all_sent), expected_reply(0xF0, {0, 0x10, 0x12}));
     EXPECT_EQ(loader.installed, loader.image);
 }
 
@@ -114,10 +116,10 @@ TEST(Firmware, accepts_an_erase_in_both_byte_orders_and_continues_in_that_order)
         Loader loader{Profile{.firmware_order = order}};
         loader.device.firmware().allow(loader.flash);
         answer(loader.device, image_info(loader.info()));
-        EXPECT_EQ(answer(loader.device, ask(0xF0, {0, 0x10, 0x01})), says(0xF0, {0, 0x12, 0x01})) << "little";
+        EXPECT_EQ(answer(loader.device, ask(0xF0, {0, 0x10, 0x01})), expected_reply(0xF0, {0, 0x12, 0x01})) << "little";
         loader.write(0);
-        EXPECT_EQ(answer(loader.device, ask(0xF0, {0, 0x01, 0x10})), says(0xF0, {0, 0x01, 0x12})) << "big";
-        EXPECT_EQ(answer(loader.device, loader.frame(0)), says(0xF0, {0, 0x10, 0x02, 0, 0}));
+        EXPECT_EQ(answer(loader.device, ask(0xF0, {0, 0x01, 0x10})), expected_reply(0xF0, {0, 0x01, 0x12})) << "big";
+        EXPECT_EQ(answer(loader.device, loader.frame(0)), expected_reply(0xF0, {0, 0x10, 0x02, 0, 0}));
     }
     Loader loader;
     loader.begin();
@@ -139,13 +141,13 @@ TEST(Firmware, accepts_a_bia_only_for_its_hardware) {
     for (const auto& [at, wrong] : std::vector<std::pair<std::size_t, std::uint8_t>>{{20, 0x22}, {30, 4}, {32, 2}}) {
         BiaFile other = file;
         other.bytes[at] = wrong;
-        EXPECT_EQ(answer(loader.device, image_info(other.info(10))), says_code(0x0101)) << at;
+        EXPECT_EQ(answer(loader.device, image_info(other.info(10))), code_reply(0x0101)) << at;
     }
-    ASSERT_EQ(answer(loader.device, image_info(file.info(10))), says_code(0x0102));
+    ASSERT_EQ(answer(loader.device, image_info(file.info(10))), code_reply(0x0102));
     EXPECT_EQ(loader.device.firmware().image().cmd, 0x70000u);
-    ASSERT_EQ(answer(loader.device, erase), says_code(0x0112));
+    ASSERT_EQ(answer(loader.device, erase), code_reply(0x0112));
     for (const std::uint8_t number : Bytes{0, 1, 2}) loader.write(number);
-    EXPECT_EQ(answer(loader.device, all_sent), says_code(0x1012));
+    EXPECT_EQ(answer(loader.device, all_sent), code_reply(0x1012));
     EXPECT_EQ(loader.version, 42);
 }
 
@@ -159,13 +161,13 @@ TEST(Firmware, rejects_an_image_that_it_cannot_store_or_count) {
                                                          {.size = UINT32_MAX, .frame_size = 1},
                                                          {.size = 25, .frame_size = 65533},
                                                          {.size = 25, .frame_size = 10, .version = 13}})
-        EXPECT_EQ(answer(loader.device, image_info(wrong)), says_code(0x0101)) << wrong.size << " " << wrong.frame_size;
-    EXPECT_EQ(answer(loader.device, erase), says_code(0x0111)) << "nothing was accepted";
-    EXPECT_EQ(answer(loader.device, image_info({.size = 64, .frame_size = 1})), says_code(0x0102));
+        EXPECT_EQ(answer(loader.device, image_info(wrong)), code_reply(0x0101)) << wrong.size << " " << wrong.frame_size;
+    EXPECT_EQ(answer(loader.device, erase), code_reply(0x0111)) << "nothing was accepted";
+    EXPECT_EQ(answer(loader.device, image_info({.size = 64, .frame_size = 1})), code_reply(0x0102));
     loader.flash.max_size = 70000;
     loader.device.firmware().allow(loader.flash);
-    EXPECT_EQ(answer(loader.device, image_info({.size = 65536, .frame_size = 1})), says_code(0x0102));
-    EXPECT_EQ(answer(loader.device, image_info({.size = 65537, .frame_size = 1})), says_code(0x0101)) << "frame 65536";
+    EXPECT_EQ(answer(loader.device, image_info({.size = 65536, .frame_size = 1})), code_reply(0x0102));
+    EXPECT_EQ(answer(loader.device, image_info({.size = 65537, .frame_size = 1})), code_reply(0x0101)) << "frame 65536";
     Bytes too_short = image_info(loader.info());
     too_short = ask(0xF0, Bytes(too_short.begin() + 6, too_short.end() - 3));
     EXPECT_EQ(answer(loader.device, too_short), silence);
@@ -178,9 +180,9 @@ TEST(Firmware, accepts_frames_in_any_order_and_repeatedly) {
     loader.write(0);
     loader.write(0);
     EXPECT_EQ(loader.device.firmware().written(), 2u);
-    EXPECT_EQ(answer(loader.device, image_frame(0, Bytes(10))), says_of_frame(0x1001, 0)) << "something else in its place";
+    EXPECT_EQ(answer(loader.device, image_frame(0, Bytes(10))), frame_reply(0x1001, 0)) << "something else in its place";
     loader.write(1);
-    EXPECT_EQ(answer(loader.device, all_sent), says_code(0x1012));
+    EXPECT_EQ(answer(loader.device, all_sent), code_reply(0x1012));
     EXPECT_EQ(loader.installed, loader.image);
 }
 
@@ -189,19 +191,19 @@ TEST(Firmware, accepts_a_padded_last_frame) {
     loader.begin();
     loader.write(0);
     loader.write(1);
-    EXPECT_EQ(answer(loader.device, image_frame(2, loader.part(2) + Bytes(6))), says_of_frame(0x1001, 2)) << "too long";
-    EXPECT_EQ(answer(loader.device, image_frame(2, loader.part(2) + Bytes(5, 0xFF))), says_of_frame(0x1002, 2));
-    EXPECT_EQ(answer(loader.device, all_sent), says_code(0x1012));
+    EXPECT_EQ(answer(loader.device, image_frame(2, loader.part(2) + Bytes(6))), frame_reply(0x1001, 2)) << "too long";
+    EXPECT_EQ(answer(loader.device, image_frame(2, loader.part(2) + Bytes(5, 0xFF))), frame_reply(0x1002, 2));
+    EXPECT_EQ(answer(loader.device, all_sent), code_reply(0x1012));
     EXPECT_EQ(loader.installed, loader.image);
 }
 
 TEST(Firmware, fails_a_frame_that_is_too_short_too_long_or_after_the_end) {
     Loader loader;
     loader.begin();
-    EXPECT_EQ(answer(loader.device, image_frame(0, Bytes(9))), says_of_frame(0x1001, 0));
-    EXPECT_EQ(answer(loader.device, image_frame(0, Bytes(11))), says_of_frame(0x1001, 0));
-    EXPECT_EQ(answer(loader.device, image_frame(3, Bytes(10))), says_of_frame(0x1001, 3));
-    EXPECT_EQ(answer(loader.device, image_frame(65535, {})), says_of_frame(0x1001, 65535));
+    EXPECT_EQ(answer(loader.device, image_frame(0, Bytes(9))), frame_reply(0x1001, 0));
+    EXPECT_EQ(answer(loader.device, image_frame(0, Bytes(11))), frame_reply(0x1001, 0));
+    EXPECT_EQ(answer(loader.device, image_frame(3, Bytes(10))), frame_reply(0x1001, 3));
+    EXPECT_EQ(answer(loader.device, image_frame(65535, {})), frame_reply(0x1001, 65535));
     EXPECT_EQ(loader.device.firmware().written(), 0u);
 }
 
@@ -210,14 +212,14 @@ TEST(Firmware, with_a_gap_or_damage_does_not_pass) {
     loader.begin();
     loader.write(0);
     loader.write(2);
-    EXPECT_EQ(answer(loader.device, all_sent), says_code(0x1011)) << "frame 1 is missing";
-    EXPECT_EQ(answer(loader.device, all_sent), says_code(0x1011));
-    EXPECT_EQ(answer(loader.device, loader.frame(1)), says_of_frame(0x1001, 1)) << "it has to begin again";
+    EXPECT_EQ(answer(loader.device, all_sent), code_reply(0x1011)) << "frame 1 is missing";
+    EXPECT_EQ(answer(loader.device, all_sent), code_reply(0x1011));
+    EXPECT_EQ(answer(loader.device, loader.frame(1)), frame_reply(0x1001, 1)) << "it has to begin again";
     loader.begin();
     loader.write(0);
-    EXPECT_EQ(answer(loader.device, image_frame(1, Bytes(10))), says_of_frame(0x1002, 1));
+    EXPECT_EQ(answer(loader.device, image_frame(1, Bytes(10))), frame_reply(0x1002, 1));
     loader.write(2);
-    EXPECT_EQ(answer(loader.device, all_sent), says_code(0x1011)) << "another CRC";
+    EXPECT_EQ(answer(loader.device, all_sent), code_reply(0x1011)) << "another CRC";
     EXPECT_EQ(loader.installs, 0);
 }
 
@@ -226,35 +228,35 @@ TEST(Firmware, checks_the_configured_crc) {
     loader.flash.crc = ano::find_crc16("crc16/modbus");
     loader.begin();
     for (const std::uint8_t number : Bytes{0, 1, 2}) loader.write(number);
-    EXPECT_EQ(answer(loader.device, all_sent), says_code(0x1011));
+    EXPECT_EQ(answer(loader.device, all_sent), code_reply(0x1011));
     loader.flash.crc.reset();
     loader.begin();
     for (const std::uint8_t number : Bytes{0, 1, 2}) loader.write(number);
-    EXPECT_EQ(answer(loader.device, all_sent), says_code(0x1012)) << "not checked";
+    EXPECT_EQ(answer(loader.device, all_sent), code_reply(0x1012)) << "not checked";
 }
 
 TEST(Firmware, is_installed_once_however_often_the_host_requests_it) {
     Loader loader;
     loader.begin();
     for (const std::uint8_t number : Bytes{0, 1, 2}) loader.write(number);
-    EXPECT_EQ(answer(loader.device, all_sent), says_code(0x1012));
-    EXPECT_EQ(answer(loader.device, all_sent), says_code(0x1012));
+    EXPECT_EQ(answer(loader.device, all_sent), code_reply(0x1012));
+    EXPECT_EQ(answer(loader.device, all_sent), code_reply(0x1012));
     EXPECT_EQ(loader.installs, 1);
     loader.works = false;
     loader.begin();
     for (const std::uint8_t number : Bytes{0, 1, 2}) loader.write(number);
-    EXPECT_EQ(answer(loader.device, all_sent), says_code(0x1011)) << "its user says so";
+    EXPECT_EQ(answer(loader.device, all_sent), code_reply(0x1011)) << "its user says so";
     EXPECT_EQ(loader.installs, 2);
 }
 
 TEST(Firmware, fails_steps_that_arrive_out_of_order) {
     Loader loader;
     loader.device.firmware().allow(loader.flash);
-    EXPECT_EQ(answer(loader.device, loader.frame(0)), says_of_frame(0x1001, 0));
-    EXPECT_EQ(answer(loader.device, all_sent), says_code(0x1011));
+    EXPECT_EQ(answer(loader.device, loader.frame(0)), frame_reply(0x1001, 0));
+    EXPECT_EQ(answer(loader.device, all_sent), code_reply(0x1011));
     answer(loader.device, image_info(loader.info()));
-    EXPECT_EQ(answer(loader.device, loader.frame(0)), says_of_frame(0x1001, 0)) << "not erased";
-    EXPECT_EQ(answer(loader.device, all_sent), says_code(0x1011));
+    EXPECT_EQ(answer(loader.device, loader.frame(0)), frame_reply(0x1001, 0)) << "not erased";
+    EXPECT_EQ(answer(loader.device, all_sent), code_reply(0x1011));
     loader.begin();
     const Bytes of_another = support::frame(0xD2, self, 0xF0, {0, 0x10, 0x10});
     EXPECT_EQ(answer(loader.device, of_another), support::frame(self, 0xD2, 0xF0, {0, 0x11, 0x10}));
@@ -271,8 +273,8 @@ TEST(Firmware, reports_that_its_flash_cannot_be_erased) {
     loader.flash.erase = [] { return false; };
     loader.device.firmware().allow(loader.flash);
     answer(loader.device, image_info(loader.info()));
-    EXPECT_EQ(answer(loader.device, erase), says_code(0x0111));
-    EXPECT_EQ(answer(loader.device, loader.frame(0)), says_of_frame(0x1001, 0));
+    EXPECT_EQ(answer(loader.device, erase), code_reply(0x0111));
+    EXPECT_EQ(answer(loader.device, loader.frame(0)), frame_reply(0x1001, 0));
 }
 
 TEST(Firmware, answers_a_slow_step_when_it_is_done) {
@@ -287,14 +289,14 @@ TEST(Firmware, answers_a_slow_step_when_it_is_done) {
     EXPECT_EQ(answer(device, erase, start + 1s), silence) << "the one answer is for both";
     EXPECT_EQ(answer(device, image_info(loader.info()), start + 1s), silence);
     device.run(start + 3s);
-    EXPECT_EQ(heard(device), (std::vector<Bytes>{says_code(0x0112)}));
+    EXPECT_EQ(heard(device), (std::vector<Bytes>{code_reply(0x0112)}));
     EXPECT_FALSE(device.due());
     for (const std::uint8_t number : Bytes{0, 1, 2}) loader.write(number);
     EXPECT_EQ(answer(device, all_sent, start + 4s), silence);
     EXPECT_EQ(answer(device, all_sent, start + 5s), silence);
-    EXPECT_EQ(answer(device, loader.frame(0), start + 5s), says_of_frame(0x1001, 0)) << "nothing is written while it is checked";
+    EXPECT_EQ(answer(device, loader.frame(0), start + 5s), frame_reply(0x1001, 0)) << "nothing is written while it is checked";
     device.run(start + 6s);
-    EXPECT_EQ(heard(device), (std::vector<Bytes>{says_code(0x1012)}));
+    EXPECT_EQ(heard(device), (std::vector<Bytes>{code_reply(0x1012)}));
     EXPECT_EQ(loader.installs, 1);
 }
 

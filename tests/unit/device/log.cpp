@@ -20,15 +20,15 @@ TEST(Log, sends_a_line_in_a_colour) {
     EXPECT_TRUE(device.log("cold", LogColor::blue, 0x05));
     const auto lines = heard(device);
     ASSERT_EQ(lines.size(), 3u);
-    EXPECT_EQ(lines[0], says(0xA0, Bytes{0} + bytes("ready")));
-    EXPECT_EQ(lines[1], says(0xA0, Bytes{1} + bytes("hot")));
+    EXPECT_EQ(lines[0], expected_reply(0xA0, Bytes{0} + bytes("ready")));
+    EXPECT_EQ(lines[1], expected_reply(0xA0, Bytes{1} + bytes("hot")));
     EXPECT_EQ(lines[2], support::frame(self, 5, 0xA0, Bytes{3} + bytes("cold")));
 }
 
 TEST(Log, may_have_a_number) {
     Device device{{.id = self}};
     EXPECT_TRUE(device.log(1.5f, "bar"));
-    EXPECT_EQ(heard(device).front(), says(0xA1, Bytes{0, 0, 0xC0, 0x3F} + bytes("bar")));
+    EXPECT_EQ(heard(device).front(), expected_reply(0xA1, Bytes{0, 0, 0xC0, 0x3F} + bytes("bar")));
 }
 
 TEST(Log, is_cut_to_fit_a_frame_and_lost_when_the_queue_is_full) {

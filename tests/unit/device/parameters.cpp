@@ -27,9 +27,9 @@ Bytes read(std::uint16_t id) { return ask(0xE0, Bytes{2} + number(id)); }
 Bytes describe(std::uint16_t id) { return ask(0xE0, Bytes{3} + number(id)); }
 Bytes act(std::uint16_t action) { return ask(0xE0, Bytes{0x10} + number(action)); }
 Bytes write(std::uint16_t id, const Bytes& value) { return ask(0xE1, number(id) + value); }
-Bytes value(std::uint16_t id, const Bytes& bytes) { return says(0xE1, number(id) + bytes); }
+Bytes value(std::uint16_t id, const Bytes& bytes) { return expected_reply(0xE1, number(id) + bytes); }
 Bytes info(std::uint16_t id, std::uint8_t type, std::string_view name, std::string_view text) {
-    return says(0xE2, number(id) + Bytes{type} + bytes(name, 20) + bytes(text));
+    return expected_reply(0xE2, number(id) + Bytes{type} + bytes(name, 20) + bytes(text));
 }
 
 template <class T>
@@ -47,11 +47,11 @@ struct Bench {
 TEST(Parameters, are_counted_for_a_host) {
     Bench bench;
     float a = 0, b = 0;
-    EXPECT_EQ(answer(bench.device, how_many()), says(0xE0, {1, 0, 0})) << "none";
+    EXPECT_EQ(answer(bench.device, how_many()), expected_reply(0xE0, {1, 0, 0})) << "none";
     bench.parameters.add("A", a);
     EXPECT_EQ(bench.parameters.add("B", b), 1);
-    EXPECT_EQ(answer(bench.device, how_many()), says(0xE0, {1, 2, 0}));
-    EXPECT_EQ(answer(bench.device, ask(0xE0, {1, 9, 9})), says(0xE0, {1, 2, 0})) << "val has no meaning";
+    EXPECT_EQ(answer(bench.device, how_many()), expected_reply(0xE0, {1, 2, 0}));
+    EXPECT_EQ(answer(bench.device, ask(0xE0, {1, 9, 9})), expected_reply(0xE0, {1, 2, 0})) << "val has no meaning";
 }
 
 // The answer to 0xE0 {1, 0} has the same form as the question.

@@ -104,10 +104,10 @@ TEST(Profile, vendor_fails_an_image_frame_that_arrives_too_early) {
     device.firmware().allow({.max_size = 100});
     answer(device, ask(0xF0, Bytes{1, 20, 0, 0, 0, 10, 0} + Bytes(13)));
     answer(device, ask(0xF0, {0, 0x01, 0x10}));
-    EXPECT_EQ(answer(device, ask(0xF0, Bytes{0x10, 1, 0} + Bytes(10))), says(0xF0, {0, 0x10, 0x01, 1, 0}));
-    EXPECT_EQ(answer(device, ask(0xF0, Bytes{0x10, 0, 0} + Bytes(10))), says(0xF0, {0, 0x10, 0x02, 0, 0}));
-    EXPECT_EQ(answer(device, ask(0xF0, Bytes{0x10, 1, 0} + Bytes(10))), says(0xF0, {0, 0x10, 0x02, 1, 0}));
-    EXPECT_EQ(answer(device, ask(0xF0, Bytes{0x10, 0, 0} + Bytes(10))), says(0xF0, {0, 0x10, 0x02, 0, 0})) << "again";
+    EXPECT_EQ(answer(device, ask(0xF0, Bytes{0x10, 1, 0} + Bytes(10))), expected_reply(0xF0, {0, 0x10, 0x01, 1, 0}));
+    EXPECT_EQ(answer(device, ask(0xF0, Bytes{0x10, 0, 0} + Bytes(10))), expected_reply(0xF0, {0, 0x10, 0x02, 0, 0}));
+    EXPECT_EQ(answer(device, ask(0xF0, Bytes{0x10, 1, 0} + Bytes(10))), expected_reply(0xF0, {0, 0x10, 0x02, 1, 0}));
+    EXPECT_EQ(answer(device, ask(0xF0, Bytes{0x10, 0, 0} + Bytes(10))), expected_reply(0xF0, {0, 0x10, 0x02, 0, 0})) << "again";
 }
 
 TEST(Profile, vendor_queues_twenty_frames_and_silently_drops_further_ones) {
@@ -140,7 +140,7 @@ TEST(Profile, vendor_that_crashed_drops_its_waiting_frames) {
 
 TEST(Profile, vendor_executes_slow_steps_one_after_another) {
     const Bytes accept = ask(0xF0, Bytes{1, 20, 0, 0, 0, 10, 0} + Bytes(13)), erase = ask(0xF0, {0, 0x01, 0x10});
-    const Bytes erased = says(0xF0, {0, 0x01, 0x12});
+    const Bytes erased = expected_reply(0xF0, {0, 0x01, 0x12});
     for (const bool late : {false, true}) {
         Device device{{.id = self}, Profile::vendor()};
         device.firmware().allow({.max_size = 100, .erase_time = 500us});
@@ -170,16 +170,16 @@ TEST(Profile, old_describes_ranges_and_sends_every_value_as_i32) {
     device.parameters().add("WIDE", wide);
     device.parameters().add("TEXT", text);
     EXPECT_EQ(answer(device, ask(0xE0, {3, 0, 0})),
-              says(0xE2, Bytes{0, 0, 0xFB, 0xFF, 0xFF, 0xFF, 0xE8, 3, 0, 0} + bytes("GAIN", 20) + bytes("info")));
+              expected_reply(0xE2, Bytes{0, 0, 0xFB, 0xFF, 0xFF, 0xFF, 0xE8, 3, 0, 0} + bytes("GAIN", 20) + bytes("info")));
     EXPECT_EQ(answer(device, ask(0xE0, {3, 1, 0})),
-              says(0xE2, Bytes{1, 0, 0, 0, 0, 0, 0xFF, 0xFF, 0xFF, 0x7F} + bytes("WIDE", 20)));
+              expected_reply(0xE2, Bytes{1, 0, 0, 0, 0, 0, 0xFF, 0xFF, 0xFF, 0x7F} + bytes("WIDE", 20)));
     for (const std::uint8_t id : Bytes{0, 1, 2}) {
         const Bytes described = answer(device, ask(0xE0, {3, id, 0}));
         EXPECT_TRUE((ano::as<"parameter_info", "old">(FrameView{described}))) << "and is recognised by it";
     }
-    EXPECT_EQ(answer(device, read_first), says(0xE1, {0, 0, 3, 0, 0, 0}));
-    EXPECT_EQ(answer(device, ask(0xE0, {2, 1, 0})), says(0xE1, {1, 0, 0xFF, 0xFF, 0xFF, 0x7F}));
-    EXPECT_EQ(answer(device, ask(0xE0, {2, 2, 0})), says(0xE1, {2, 0, 0, 0, 0, 0}));
+    EXPECT_EQ(answer(device, read_first), expected_reply(0xE1, {0, 0, 3, 0, 0, 0}));
+    EXPECT_EQ(answer(device, ask(0xE0, {2, 1, 0})), expected_reply(0xE1, {1, 0, 0xFF, 0xFF, 0xFF, 0x7F}));
+    EXPECT_EQ(answer(device, ask(0xE0, {2, 2, 0})), expected_reply(0xE1, {2, 0, 0, 0, 0, 0}));
     const Bytes write = ask(0xE1, {0, 0, 0xFE, 0xFF, 0xFF, 0xFF});
     EXPECT_EQ(answer(device, write), acknowledges(write));
     EXPECT_EQ(gain, -2);
@@ -200,15 +200,16 @@ TEST(Profile, scaled_describes_ranges_and_a_factor) {
     device.parameters().add("SMALL", small, {.info = "", .min = 1, .max = 9});
     device.parameters().add("TEXT", text);
     EXPECT_EQ(answer(device, ask(0xE0, {3, 0, 0})),
-              says(0xE2, Bytes{0, 0, 0xFF, 0xFF, 0xFF, 0xFF, 10, 0, 0, 0, 0xE8, 3, 0, 0} + bytes("GAIN", 20) + bytes("info")));
+              expected_reply(
+                  0xE2, Bytes{0, 0, 0xFF, 0xFF, 0xFF, 0xFF, 10, 0, 0, 0, 0xE8, 3, 0, 0} + bytes("GAIN", 20) + bytes("info")));
     EXPECT_EQ(answer(device, ask(0xE0, {3, 1, 0})),
-              says(0xE2, Bytes{1, 0, 1, 0, 0, 0, 9, 0, 0, 0, 0, 0, 0, 0} + bytes("SMALL", 20)));
+              expected_reply(0xE2, Bytes{1, 0, 1, 0, 0, 0, 9, 0, 0, 0, 0, 0, 0, 0} + bytes("SMALL", 20)));
     for (const std::uint8_t id : Bytes{0, 1, 2}) {
         const Bytes described = answer(device, ask(0xE0, {3, id, 0}));
         EXPECT_TRUE((ano::as<"parameter_info", "scaled">(FrameView{described}))) << "and is recognised by it";
     }
-    EXPECT_EQ(answer(device, read_first), says(0xE1, {0, 0, 0xC4, 9, 0, 0}));
-    EXPECT_EQ(answer(device, ask(0xE0, {2, 1, 0})), says(0xE1, {1, 0, 7, 0, 0, 0}));
+    EXPECT_EQ(answer(device, read_first), expected_reply(0xE1, {0, 0, 0xC4, 9, 0, 0}));
+    EXPECT_EQ(answer(device, ask(0xE0, {2, 1, 0})), expected_reply(0xE1, {1, 0, 7, 0, 0, 0}));
     answer(device, ask(0xE1, {0, 0, 0x06, 0xFF, 0xFF, 0xFF}));
     EXPECT_EQ(gain, -0.25f);
     answer(device, ask(0xE1, {1, 0, 200, 0, 0, 0}));
@@ -219,7 +220,7 @@ TEST(Profile, scaled_describes_ranges_and_a_factor) {
 TEST(Profile, old_counts_commands_in_four_bytes) {
     Device device{{.id = self}, old_at_once()};
     device.commands().add({1, 2, 3}, "GO", "", [] {});
-    EXPECT_EQ(answer(device, ask(0xC1, {0, 0, 0})), says(0xC1, {0, 1, 0, 0, 0}));
+    EXPECT_EQ(answer(device, ask(0xC1, {0, 0, 0})), expected_reply(0xC1, {0, 1, 0, 0, 0}));
 }
 
 }    // namespace

@@ -37,7 +37,7 @@ inline Bytes answer(ano::device::Device& device, const Bytes& question, ano::Tim
 /// A frame from the host to the device.
 inline Bytes ask(std::uint8_t id, const Bytes& data) { return support::frame(host, self, id, data); }
 /// A frame from the device to the host.
-inline Bytes says(std::uint8_t id, const Bytes& data) { return support::frame(self, host, id, data); }
+inline Bytes expected_reply(std::uint8_t id, const Bytes& data) { return support::frame(self, host, id, data); }
 /// The acknowledgement of `question` by the device, sent to the source of the question.
 inline Bytes acknowledges(const Bytes& question) {
     return support::frame(self, question[1], 0x00, {question[3], question[question.size() - 2], question.back()});

@@ -21,11 +21,11 @@ Bytes count() { return read_number(0xFF); }
 TEST(Waypoints, are_written_in_order_counted_and_read) {
     Device device{{.id = self}};
     device.waypoints().allow(3);
-    EXPECT_EQ(answer(device, count()), says(0x60, {0}));
+    EXPECT_EQ(answer(device, count()), expected_reply(0x60, {0}));
     for (const std::uint8_t number : Bytes{0, 1, 2}) EXPECT_EQ(answer(device, written(number)), acknowledges(written(number)));
-    EXPECT_EQ(answer(device, count()), says(0x60, {3}));
+    EXPECT_EQ(answer(device, count()), expected_reply(0x60, {3}));
     Bytes expected = written(1);
-    EXPECT_EQ(answer(device, read_number(1)), says(0x61, Bytes(expected.begin() + 6, expected.end() - 2)));
+    EXPECT_EQ(answer(device, read_number(1)), expected_reply(0x61, Bytes(expected.begin() + 6, expected.end() - 2)));
     const Waypoint& w = device.waypoints()[1];
     EXPECT_DOUBLE_EQ(w.lng, 116.3644181);
     EXPECT_EQ(w.alt, 1000);
@@ -79,7 +79,7 @@ TEST(Waypoints, are_limited_so_that_their_count_never_equals_a_request) {
     Device device{{.id = self}};
     device.waypoints().allow(1000);
     device.waypoints().resize(1000);
-    EXPECT_EQ(answer(device, count()), says(0x60, {254}));
+    EXPECT_EQ(answer(device, count()), expected_reply(0x60, {254}));
     EXPECT_EQ(answer(device, written(254)), silence);
     device.waypoints().allow(1);
     EXPECT_EQ(device.waypoints().count(), 1u);
@@ -90,7 +90,8 @@ TEST(Waypoints, can_be_set_by_the_program) {
     device.waypoints().allow(1);
     device.waypoints().resize(1);
     device.waypoints().set(0, {.lng = 1e-7, .lat = -90, .alt = -1});
-    EXPECT_EQ(answer(device, read_number(0)), says(0x61, support::hex("00 01 00 00 00 00 17 5B CA FF FF FF FF") + Bytes(9)));
+    EXPECT_EQ(answer(device, read_number(0)),
+              expected_reply(0x61, support::hex("00 01 00 00 00 00 17 5B CA FF FF FF FF") + Bytes(9)));
     device.waypoints().set(0, {.lng = 400});
     EXPECT_EQ(answer(device, read_number(0)), silence) << "no such place";
 }

@@ -46,7 +46,7 @@ TEST(Alarms, are_raised_when_a_value_is_beyond_its_limit_for_long_enough) {
     const TimePoint begin{1h};
     const auto at = [&](double s, double volts_a_cell) {
         const TimePoint now = begin + std::chrono::duration_cast<Duration>(std::chrono::duration<double>(s));
-        clock.take(4 * volts_a_cell, cell, now);
+        clock.update(4 * volts_a_cell, cell, now);
         return clock.level(cell, now);
     };
     std::vector<AlarmLevel> told;
@@ -64,9 +64,9 @@ struct Watch : testing::Test {
     ano::FlexibleLayouts layouts;
     TimePoint time{1h};
 
-    bool hear(const Bytes& bytes) {
+    bool receive(const Bytes& bytes) {
         const ano::FrameView frame{bytes};
-        return watch.hear(frame.source(), ano::read(frame, &layouts), time);
+        return watch.receive(frame.source(), ano::read(frame, &layouts), time);
     }
     std::string told() const {
         std::string all;
@@ -93,20 +93,20 @@ TEST_F(Watch, lists_red_alarms_first_and_ignores_frames_without_a_value) {
     const AlarmLimit at_once{"power.voltage", true, 14.4, 13.6, std::nullopt, 0};
     watch.set(0x34, {at_once}, time);
     watch.set(0xDC, {at_once, {"power.no_field", true, 1.0, std::nullopt, std::nullopt, 0}}, time);
-    EXPECT_FALSE(hear(power(15))) << "it is well, and was before";
-    EXPECT_TRUE(hear(power(14, 0x34)));
-    EXPECT_TRUE(hear(power(13.2)));
+    EXPECT_FALSE(receive(power(15))) << "it is well, and was before";
+    EXPECT_TRUE(receive(power(14, 0x34)));
+    EXPECT_TRUE(receive(power(13.2)));
     EXPECT_EQ(told(), "0xDC power.voltage red 13.2, 0x34 power.voltage amber 14");
     Bytes cut = frame(0xDC, 0xFF, ano::id_of<"power">, {1});
-    EXPECT_FALSE(hear(cut));
-    EXPECT_TRUE(hear(power(15))) << "it comes back";
+    EXPECT_FALSE(receive(cut));
+    EXPECT_TRUE(receive(power(15))) << "it comes back";
     EXPECT_EQ(told(), "0x34 power.voltage amber 14");
-    EXPECT_FALSE(hear(power(15)));
+    EXPECT_FALSE(receive(power(15)));
 }
 
 TEST_F(Watch, checks_the_last_value_against_new_limits) {
     watch.set(0xDC, {cell}, time);
-    hear(power(14));    // 3.5 V per cell
+    receive(power(14));    // 3.5 V per cell
     time += 2s;
     EXPECT_EQ(told(), "0xDC power.voltage amber 3.5");
     watch.set(0xDC, {{"power.voltage", true, 3.6, 3.55, 4u, 2}}, time);
@@ -138,23 +138,23 @@ TEST_F(Watch, checks_flexible_messages_by_their_layouts_and_skips_values_that_ar
         std::memcpy(data.data(), &value, sizeof value);
         return frame(0xDC, 0xFF, 0xF1, data);
     };
-    hear(percent(12));
+    receive(percent(12));
     EXPECT_EQ(told(), "0xDC flexible1.percent red 12");
-    hear(percent(std::numeric_limits<float>::quiet_NaN()));
+    receive(percent(std::numeric_limits<float>::quiet_NaN()));
     EXPECT_EQ(told(), "0xDC flexible1.percent red 12");
-    hear(percent(20));
+    receive(percent(20));
     EXPECT_EQ(told(), "0xDC flexible1.percent amber 20");
     layouts = ano::FlexibleLayouts{};
-    EXPECT_FALSE(hear(percent(90))) << "nobody knows what it says";
+    EXPECT_FALSE(receive(percent(90))) << "nobody knows what it says";
 }
 
 struct AlarmAnswers : testing::Test {
     SimulatedNet net;
 
-    void hear(double voltage, std::uint8_t from = 0xDC) {
+    void receive(double voltage, std::uint8_t from = 0xDC) {
         const Bytes bytes = power(voltage, from);
         if (net.service.alarms().watch().wants(from, ano::id_of<"power">))
-            net.service.hear_value(from, ano::read(ano::FrameView{bytes}), net.time);
+            net.service.record_value(from, ano::read(ano::FrameView{bytes}), net.time);
     }
     void set(double for_s = 0) {
         const std::string row = R"({"field":"power.voltage","side":"below","amber":3.6,"red":3.4,"cells":4,"for_s":)";
@@ -194,7 +194,7 @@ struct Follower {
 TEST_F(AlarmAnswers, list_the_current_alarms) {
     EXPECT_EQ(net.ask("GET", "/alarms").json, (Json{{"alarms", Json::array()}}));
     set(2);
-    hear(13.2);
+    receive(13.2);
     EXPECT_EQ(now(), "");
     net.pass(2s);
     const Json alarm = net.ask("GET", "/alarms").json.at("alarms").at(0);
@@ -208,7 +208,7 @@ TEST_F(AlarmAnswers, list_the_current_alarms) {
                            {"cells", 4},
                            {"beyond_s", 2.0},
                            {"age_s", 2.0}}));
-    hear(14.2);
+    receive(14.2);
     EXPECT_EQ(now(), "amber 3.55") << "it was beyond amber as long";
     net.ask("PUT", "/devices/0xDC/limits", R"({"limits":[]})");
     EXPECT_EQ(now(), "");
@@ -219,7 +219,7 @@ TEST_F(AlarmAnswers, use_limits_stored_by_an_earlier_run) {
     SimulatedNet after;
     EXPECT_EQ(after.service.remember_limits(0xDC, net.kept.at("limits-0xDC.json")), "");
     const Bytes bytes = power(13.2);
-    after.service.hear_value(0xDC, ano::read(ano::FrameView{bytes}), after.time);
+    after.service.record_value(0xDC, ano::read(ano::FrameView{bytes}), after.time);
     EXPECT_EQ(in(after.ask("GET", "/alarms").json), "red 3.3");
 }
 
@@ -231,11 +231,11 @@ TEST_F(AlarmAnswers, send_all_alarms_at_each_change_and_nothing_while_there_are_
     ASSERT_EQ(lines.size(), 1u);
     EXPECT_EQ(in(lines[0]), "");
     for (int i = 0; i < 500; ++i) {
-        hear(15.2);
+        receive(15.2);
         net.pass(20ms);
     }
     EXPECT_EQ(follower.woken, 0u) << "all is well";
-    hear(13.2);
+    receive(13.2);
     net.pass(900ms);
     EXPECT_EQ(follower.woken, 0u) << "not for long enough";
     net.pass(300ms);    // no other frame is received
@@ -247,7 +247,7 @@ TEST_F(AlarmAnswers, send_all_alarms_at_each_change_and_nothing_while_there_are_
     lines = follower.lines();
     ASSERT_EQ(lines.size(), 1u) << "what was not taken is replaced";
     EXPECT_GT(lines[0].at("alarms").at(0).at("age_s"), 5.0);
-    hear(15.2);
+    receive(15.2);
     net.pass(100ms);
     lines = follower.lines();
     ASSERT_EQ(lines.size(), 1u);
@@ -263,7 +263,7 @@ TEST_F(AlarmAnswers, report_a_constantly_changing_value_at_most_ten_times_a_seco
     follower.lines();
     std::size_t told = 0;
     for (int i = 0; i < 1000; ++i) {
-        hear(13.0 + 0.01 * (i % 7));
+        receive(13.0 + 0.01 * (i % 7));
         net.pass(1ms);
         told += follower.lines().size();
     }
@@ -279,9 +279,9 @@ TEST_F(AlarmAnswers, report_a_constantly_changing_value_at_most_ten_times_a_seco
 struct LostVehicles : testing::Test {
     SimulatedNet net;
 
-    void say(std::uint8_t flag, std::uint8_t from = 0xDC) {
+    void send_mode(std::uint8_t flag, std::uint8_t from = 0xDC) {
         const Bytes bytes = frame(from, 0xFF, 0x06, {3, flag, 0, 0, 0});
-        net.service.hear_mode(ano::FrameView{bytes}, net.time);
+        net.service.record_mode(ano::FrameView{bytes}, net.time);
     }
     Json lost() {
         const Json answer = net.ask("GET", "/devices").json;
@@ -291,14 +291,14 @@ struct LostVehicles : testing::Test {
 
 // For a page that is opened after the loss.
 TEST_F(LostVehicles, are_listed_with_their_last_state_until_they_are_received_again) {
-    say(2);
+    send_mode(2);
     net.pass(1900ms);
     EXPECT_EQ(lost(), Json::array());
     net.pass(1s);
     EXPECT_EQ(lost(), (Json::array({{{"address", "0xDC"}, {"age", 2.9}, {"sflag", 2}}})));
     net.pass(3600s);
     EXPECT_EQ(lost().at(0).at("age"), 3602.9);
-    say(2);
+    send_mode(2);
     EXPECT_EQ(lost(), Json::array());
     net.pass(3s);
     EXPECT_EQ(lost().size(), 1u);
@@ -307,8 +307,8 @@ TEST_F(LostVehicles, are_listed_with_their_last_state_until_they_are_received_ag
 }
 
 TEST_F(LostVehicles, that_were_locked_are_listed_for_a_minute) {
-    say(0);
-    say(1, 0xDD);
+    send_mode(0);
+    send_mode(1, 0xDD);
     net.pass(59s);
     EXPECT_EQ(lost().size(), 2u);
     net.pass(2s);
@@ -319,7 +319,7 @@ TEST_F(LostVehicles, that_were_locked_are_listed_for_a_minute) {
 // An optical flow sensor, or a vehicle whose program sends no `mode`.
 TEST_F(LostVehicles, that_never_sent_a_mode_are_listed_without_a_state) {
     for (int i = 0; i < 3; ++i) {
-        net.service.hear_telemetry(0x51, 0x51, net.time);
+        net.service.record_telemetry(0x51, 0x51, net.time);
         net.pass(2s);
     }
     net.pass(2s);
@@ -328,11 +328,11 @@ TEST_F(LostVehicles, that_never_sent_a_mode_are_listed_without_a_state) {
     EXPECT_EQ(lost(), (Json::array({{{"address", "0x51"}, {"age", 6.0}}})));
     net.pass(3600s);
     EXPECT_EQ(lost().size(), 1u);
-    net.service.hear_telemetry(0x51, 0x51, net.time);
+    net.service.record_telemetry(0x51, 0x51, net.time);
     EXPECT_EQ(lost(), Json::array());
     net.pass(7s);
     EXPECT_EQ(lost(), Json::array()) << "a single frame is no telemetry that could end";
-    for (int i = 0; i < 3; ++i) net.service.hear_telemetry(0x51, 0x51, net.time);
+    for (int i = 0; i < 3; ++i) net.service.record_telemetry(0x51, 0x51, net.time);
     net.pass(7s);
     EXPECT_EQ(lost().size(), 1u);
     net.service.forget_values(0x51);
@@ -342,7 +342,7 @@ TEST_F(LostVehicles, that_never_sent_a_mode_are_listed_without_a_state) {
 TEST_F(LostVehicles, exclude_devices_that_only_answer_or_log) {
     for (const std::uint8_t id :
          {std::uint8_t{0xE3}, std::uint8_t{0xE1}, std::uint8_t{0xA0}, std::uint8_t{0xB0}, std::uint8_t{0xFB}})
-        for (int i = 0; i < 9; ++i) net.service.hear_telemetry(0x51, id, net.time), net.pass(1s);
+        for (int i = 0; i < 9; ++i) net.service.record_telemetry(0x51, id, net.time), net.pass(1s);
     net.pass(60s);
     EXPECT_EQ(lost(), Json::array());
 }
@@ -352,45 +352,45 @@ TEST_F(LostVehicles, are_lost_after_a_silence_that_depends_on_their_period) {
     for (const Duration period : std::initializer_list<Duration>{20ms, 100ms, 1s, 4s}) {
         LossWatch watch;
         TimePoint now{1h};
-        for (std::size_t i = 0; i <= LossWatch::periods; ++i) watch.hear_mode(0xDC, 2, now += period);
+        for (std::size_t i = 0; i <= LossWatch::periods; ++i) watch.record_mode(0xDC, 2, now += period);
         const TimePoint last = now;
         EXPECT_FALSE(watch.device(0xDC, last + period + 899ms)->is_lost);
         EXPECT_TRUE(watch.device(0xDC, last + period + 900ms)->is_lost);
         EXPECT_EQ(watch.device(0xDC, last)->lost_at, last + period + 900ms);
-        watch.hear(0xDC, 0xE1, last + 500ms);
+        watch.receive(0xDC, 0xE1, last + 500ms);
         EXPECT_FALSE(watch.device(0xDC, last + period + 1s)->is_lost) << "another frame of it came";
-        watch.hear(0xDC, 0xE1, last + period + 1s);
+        watch.receive(0xDC, 0xE1, last + period + 1s);
         EXPECT_EQ(watch.device(0xDC, last)->lost_at, last + period + 1s + LossWatch::lost_after) << "alone";
-        watch.hear_mode(0xDC, 2, now += 1min);    // the period is not known
+        watch.record_mode(0xDC, 2, now += 1min);    // the period is not known
         EXPECT_EQ(watch.device(0xDC, now)->lost_at, now + period + 900ms);
         watch.forget(0xDC);
         EXPECT_FALSE(watch.device(0xDC, now));
     }
     LossWatch brief;
-    brief.hear_mode(0xDC, 2, TimePoint{1h});
+    brief.record_mode(0xDC, 2, TimePoint{1h});
     EXPECT_EQ(brief.device(0xDC, TimePoint{1h})->lost_at, TimePoint{1h} + LossWatch::lost_after);
-    brief.hear(0xDD, 0xE1, TimePoint{1h});
+    brief.receive(0xDD, 0xE1, TimePoint{1h});
     EXPECT_FALSE(brief.device(0xDD, TimePoint{1h}));
 }
 
 // Any program in a network can send frames with the address of a lost vehicle.
 TEST_F(LostVehicles, stay_lost_while_they_are_only_received_on_another_link) {
     EXPECT_FALSE(net.service.stays_lost(0xDC)) << "it was never heard";
-    say(0);
+    send_mode(0);
     EXPECT_FALSE(net.service.stays_lost(0xDC)) << "it was locked, and may be connected elsewhere";
-    say(2);
+    send_mode(2);
     EXPECT_TRUE(net.service.stays_lost(0xDC));
     net.pass(3s);
-    net.service.hear_elsewhere(0xDC, "radio", net.time);
-    EXPECT_TRUE(net.service.is_told_elsewhere(0xDC));
+    net.service.record_elsewhere(0xDC, "radio", net.time);
+    EXPECT_TRUE(net.service.was_received_elsewhere(0xDC));
     EXPECT_EQ(lost(), (Json::array({{{"address", "0xDC"}, {"age", 3.0}, {"sflag", 2}, {"elsewhere", "radio"}}})));
-    say(2);
+    send_mode(2);
     EXPECT_EQ(lost(), Json::array());
-    EXPECT_FALSE(net.service.is_told_elsewhere(0xDC)) << "it was heard";
+    EXPECT_FALSE(net.service.was_received_elsewhere(0xDC)) << "it was heard";
     EXPECT_TRUE(net.service.forget_values(0xDC));
     EXPECT_FALSE(net.service.forget_values(0xDC));
     EXPECT_FALSE(net.service.stays_lost(0xDC));
-    for (int i = 0; i < 3; ++i) net.service.hear_telemetry(0x51, 0x51, net.time);
+    for (int i = 0; i < 3; ++i) net.service.record_telemetry(0x51, 0x51, net.time);
     EXPECT_TRUE(net.service.stays_lost(0x51)) << "it has no state that says it is on the ground";
 }
 
@@ -413,9 +413,9 @@ TEST_F(LostVehicles, are_reported_to_followers_of_the_alarms_when_lost_and_when_
     Follower follower{net};
     EXPECT_EQ(devices_in(follower.lines()), "none");
     const auto fly = [&](Duration duration, std::uint8_t flag = 2) {
-        for (const TimePoint end = net.time + duration; net.time < end; net.pass(100ms)) say(flag);
+        for (const TimePoint end = net.time + duration; net.time < end; net.pass(100ms)) send_mode(flag);
     };
-    say(2, 0xFE);
+    send_mode(2, 0xFE);
     net.pass(1s);
     EXPECT_EQ(follower.woken, 0u) << "a host is no vehicle";
     fly(10s);
@@ -443,7 +443,7 @@ TEST_F(LostVehicles, that_never_sent_a_mode_are_reported_to_followers_too) {
     Follower follower{net};
     follower.lines();
     const auto send = [&] {
-        for (int i = 0; i < 3; ++i, net.pass(200ms)) net.service.hear_telemetry(0x51, 0x51, net.time);
+        for (int i = 0; i < 3; ++i, net.pass(200ms)) net.service.record_telemetry(0x51, 0x51, net.time);
     };
     send();
     EXPECT_EQ(devices_in(follower.lines()), "heard 0x51");
@@ -456,7 +456,7 @@ TEST_F(LostVehicles, that_never_sent_a_mode_are_reported_to_followers_too) {
 TEST_F(LostVehicles, that_were_locked_are_reported_to_followers_for_a_minute_and_stay_lost) {
     Follower follower{net};
     follower.lines();
-    say(0);
+    send_mode(0);
     net.pass(62s);
     EXPECT_EQ(devices_in(follower.lines()), "lost 0xDC 0 62.0");
     const std::size_t woken = follower.woken;
@@ -468,12 +468,12 @@ TEST_F(LostVehicles, that_were_locked_are_reported_to_followers_for_a_minute_and
 TEST_F(LostVehicles, are_not_reported_by_a_gateway_that_was_stalled) {
     Follower follower{net};
     follower.lines();
-    say(2);
+    send_mode(2);
     net.pass(200ms);
     EXPECT_EQ(devices_in(follower.lines()), "heard 0xDC");
     net.time += 10s;
     net.service.run(net.time);    // before the frames received meanwhile are read
-    say(2);
+    send_mode(2);
     net.pass(1s);
     EXPECT_EQ(devices_in(follower.lines()), "no line");
     net.pass(2s);
@@ -488,7 +488,7 @@ struct LogStream : testing::Test {
         Bytes data{1};
         data.insert(data.end(), text.begin(), text.end());
         const Bytes bytes = frame(from, 0xFF, 0xA0, data);
-        net.service.hear_log(ano::FrameView{bytes}, "fc", time_ns += 1'000'000'000);
+        net.service.record_log(ano::FrameView{bytes}, "fc", time_ns += 1'000'000'000);
     }
     static std::string texts(const std::vector<Json>& lines) {
         std::string all;

@@ -269,8 +269,8 @@ TEST_F(CommandRoutes, of_a_device_that_paused_soon_after_the_first_list_are_conf
         FakeDevice& device = own.add();
         device.commands = fake.commands;
         for (const TimePoint end = own.time + 20s; own.time < end; own.pass(interval))
-            own.service.hear_telemetry(0xDC, 0x03, own.time);
-        own.service.hear_telemetry(0xDC, 0x03, own.time);
+            own.service.record_telemetry(0xDC, 0x03, own.time);
+        own.service.record_telemetry(0xDC, 0x03, own.time);
         own.ask("GET", "/devices/0xDC/commands");
         own.pass(silence);
         own.sent.clear();
@@ -604,7 +604,7 @@ TEST_F(OpenTypes, keep_their_meaning_after_a_restart_and_only_for_this_device) {
 }
 
 TEST_F(OpenTypes, have_the_meaning_that_is_set_on_the_link) {
-    net.link_manners.value_type_7 = ano::ValueType7::f32;
+    net.link_limits.value_type_7 = ano::ValueType7::f32;
     EXPECT_EQ(call().status, 200u);
     EXPECT_EQ(values_sent(), as_f32);
     const auto [status, error] = call(R"(, "type7": "u64")");

@@ -227,7 +227,7 @@ TEST_F(Jobs, keep_a_limited_number_of_result_bytes) {
     constexpr std::size_t large = Service::max_results / 4;
     for (int i = 0; i < 6; ++i) {
         anogate::JobOrder order{
-            anogate::JobKind::parameters, ano::host::Deed::read, 0xDC, false, "", [](const anogate::WorkPlace&) {
+            anogate::JobKind::parameters, ano::host::Operation::read, 0xDC, false, "", [](const anogate::WorkPlace&) {
                 struct Large final : anogate::Work {
                     void start(TimePoint) override { finish({200, '"' + std::string(large, 'x') + '"', "", ""}); }
                     void run(TimePoint) override {}
@@ -497,7 +497,7 @@ struct Socket final : anogate::http::WebSocket {
     std::size_t waiting() const noexcept override { return is_slow ? 1 : 0; }
     std::uint64_t reads() const noexcept override { return 0; }
     void close(std::uint16_t code, std::string_view) override { closed = code; }
-    void give_up() noexcept override { closed = 0; }
+    void abandon() noexcept override { closed = 0; }
 };
 
 TEST_F(Jobs, are_reported_by_messages_on_a_web_socket) {
@@ -508,7 +508,7 @@ TEST_F(Jobs, are_reported_by_messages_on_a_web_socket) {
     request.headers.push_back({"Upgrade", "websocket"});
     const auto user = std::move(net.routes.answer(request).web_socket);
     ASSERT_TRUE(user);
-    EXPECT_TRUE(user->has_last_words());
+    EXPECT_TRUE(user->closes_itself());
     Socket socket;
     user->opened(socket);
     ASSERT_EQ(socket.told.size(), 1u);
@@ -567,7 +567,7 @@ TEST_F(Jobs, a_device_cannot_claim_the_address_of_another_by_its_name) {
 TEST_F(Jobs, that_read_a_constantly_changing_device_end) {
     std::uint16_t count = 3;
     fake.instead = [&](ano::FrameView f) -> std::optional<std::vector<Bytes>> {
-        if (f.id() == 0xE0 && f.data()[0] == 1) fake.says_count = count++ % 15;
+        if (f.id() == 0xE0 && f.data()[0] == 1) fake.reported_count = count++ % 15;
         return std::nullopt;
     };
     EXPECT_EQ(net.ask("GET", "/devices/0xDC/parameters").status, 502u);

@@ -43,7 +43,7 @@ TEST_F(ParameterRoutes, all_are_read_with_their_values) {
 TEST_F(ParameterRoutes, a_parameter_that_was_removed_meanwhile_is_reported_as_unknown) {
     int asked = 0;
     fake.instead = [&](ano::FrameView f) -> std::optional<std::vector<Bytes>> {
-        if (f.id() == 0xE0 && f.data()[0] == 1) fake.says_count = static_cast<std::uint16_t>(++asked <= 1 ? 5 : 1);
+        if (f.id() == 0xE0 && f.data()[0] == 1) fake.reported_count = static_cast<std::uint16_t>(++asked <= 1 ? 5 : 1);
         return std::nullopt;
     };
     const auto [status, answer] = net.ask("GET", "/devices/0xDC/parameters/I16");

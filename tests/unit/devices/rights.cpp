@@ -10,11 +10,11 @@ using namespace support;
 using anogate::http::Access;
 using Asked = std::shared_ptr<std::optional<SimulatedNet::Answer>>;
 
-struct Parties {
+struct ConnectionCounts {
     SimulatedNet net;
     FakeDevice& fake = net.add();
 
-    Parties() {
+    ConnectionCounts() {
         fake.make_parameters(300);
         fake.commands = {{{1, 0, 1}, {3}, "TAKE_OFF", "height"}, {{1, 0, 2}, {}, "LAND", ""}};
     }
@@ -41,7 +41,7 @@ struct Parties {
         return net.time - begin;
     }
 };
-struct Rights : testing::Test, Parties {};
+struct Rights : testing::Test, ConnectionCounts {};
 
 TEST_F(Rights, twenty_two_viewers_that_read_block_no_command) {
     const auto reading = viewers(22);
@@ -51,7 +51,7 @@ TEST_F(Rights, twenty_two_viewers_that_read_block_no_command) {
 
 // Its first call reads the descriptions of commands, with questions like those of the viewers.
 TEST_F(Rights, eight_viewers_that_read_delay_no_command) {
-    Parties alone;
+    ConnectionCounts alone;
     const Duration without = alone.time_of_land();
     const auto reading = viewers(8);
     net.pass(300ms);
@@ -104,7 +104,7 @@ TEST_F(Rights, viewers_that_abandon_their_jobs_do_not_use_up_the_quota) {
 // Questions of a program before a command, such as the types of its values, have the same right as that command.
 TEST_F(Rights, readers_with_the_same_right_do_not_block_requests_that_precede_a_command) {
     for (const bool is_known : {true, false}) {
-        Parties all;
+        ConnectionCounts all;
         if (is_known) all.as(Access::control, "10.0.1.2", "GET", "/devices/0xDC/commands"), all.net.pass(1s);
         all.fake.deaf = true;
         std::vector<Asked> readers;

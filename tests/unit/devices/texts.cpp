@@ -156,14 +156,14 @@ TEST_F(TextRoutes, names_in_files_of_older_versions_are_still_found) {
 TEST_F(TextRoutes, the_encoding_key_of_the_link_overrides_detection) {
     fake.parameters = {{0, gbk("模"), "", {1}}};    // another character if read as UTF-8
     EXPECT_EQ(parameter(0).at("name"), "模") << "what is probable";
-    net.link_manners.encoding = ano::Encoding::utf8;
+    net.link_limits.encoding = ano::Encoding::utf8;
     EXPECT_EQ(parameter(0).at("name"), "ģ");
     EXPECT_TRUE(net.reports.empty());
-    net.link_manners.encoding = ano::Encoding::gbk;
+    net.link_limits.encoding = ano::Encoding::gbk;
     EXPECT_EQ(parameter(0).at("name"), "模");
     fake.version += 1;
     fake.parameters = {{0, gbk("模拟"), "", {1}}};
-    net.link_manners.encoding = ano::Encoding::utf8;
+    net.link_limits.encoding = ano::Encoding::utf8;
     EXPECT_EQ(parameter(0).at("name").get<std::string>().find("模"), std::string::npos);
     const std::string hint = net.ask("GET", "/devices").json.at("devices").at(0).value("hint", "");
     EXPECT_NE(hint.find("set encoding=gbk"), std::string::npos) << "the key is wrong";

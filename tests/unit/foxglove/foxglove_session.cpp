@@ -55,7 +55,7 @@ protected:
         return told;
     }
     void subscribe(unsigned id, unsigned channel) {
-        session.hear(json{{"op", "subscribe"}, {"subscriptions", {{{"id", id}, {"channelId", channel}}}}}.dump());
+        session.receive(json{{"op", "subscribe"}, {"subscriptions", {{{"id", id}, {"channelId", channel}}}}}.dump());
     }
 
     void learn(const RecordedFrame& frame) {
@@ -96,7 +96,7 @@ TEST_F(FoxgloveSessionTest, a_channel_is_advertised_when_its_first_frame_is_seen
 
 TEST_F(FoxgloveSessionTest, requests_no_frames_before_a_subscription) {
     learn(recorded(euler));
-    EXPECT_FALSE(session.wants_other_frames());
+    EXPECT_FALSE(session.filter_has_changed());
     EXPECT_EQ(session.filter(), std::nullopt);
     all();
     session.show(recorded(euler));
@@ -108,9 +108,9 @@ TEST_F(FoxgloveSessionTest, only_subscribed_channels_are_requested_and_shown) {
     learn(recorded(wind));
     const unsigned channel = channels().at("/fc/device_220/euler").at("id");
     subscribe(7, channel);
-    ASSERT_TRUE(session.wants_other_frames());
-    const auto filter = session.take_filter();
-    EXPECT_FALSE(session.wants_other_frames());
+    ASSERT_TRUE(session.filter_has_changed());
+    const auto filter = session.pop_filter();
+    EXPECT_FALSE(session.filter_has_changed());
     ASSERT_TRUE(filter);
     EXPECT_EQ(filter->ids.count(), 1u);
     EXPECT_TRUE(filter->ids[0x03]);
@@ -136,7 +136,7 @@ TEST_F(FoxgloveSessionTest, frames_that_a_standard_message_also_needs_are_reques
     const auto told = channels();
     ASSERT_TRUE(told.contains("/fc/device_220/imu"));
     subscribe(1, told.at("/fc/device_220/imu").at("id"));
-    const auto filter = session.take_filter();
+    const auto filter = session.pop_filter();
     ASSERT_TRUE(filter);
     EXPECT_TRUE(filter->ids[0x01] && filter->ids[0x03]) << "its orientation is of euler";
     EXPECT_FALSE(filter->ids[0x09]);
@@ -164,7 +164,7 @@ TEST_F(FoxgloveSessionTest, links_with_similar_names_keep_the_topics_they_were_f
         EXPECT_EQ(all().data.size(), 1u) << topic;
         session.show(recorded(euler, link == "a-b" ? "a_b" : "a-b"));
         EXPECT_TRUE(all().data.empty()) << topic;
-        session.hear(R"({"op":"unsubscribe","subscriptionIds":[1]})");
+        session.receive(R"({"op":"unsubscribe","subscriptionIds":[1]})");
     }
 }
 
@@ -175,7 +175,7 @@ TEST_F(FoxgloveSessionTest, channels_of_a_removed_link_are_unadvertised_and_adve
     const unsigned of_fc = told.at("/fc/device_220/euler").at("id"), of_ground = told.at("/ground/device_221/wind").at("id");
     subscribe(1, of_fc);
     subscribe(2, of_ground);
-    session.take_filter();
+    session.pop_filter();
     found.forget("fc");
     session.forget("fc");
     auto texts = all().texts;
@@ -186,8 +186,8 @@ TEST_F(FoxgloveSessionTest, channels_of_a_removed_link_are_unadvertised_and_adve
         if (topic.starts_with("/fc/")) ids.push_back(channel.at("id"));
     EXPECT_EQ(json(texts[0].at("channelIds")).size(), ids.size());
     for (const json& id : ids) EXPECT_TRUE(texts[0].at("channelIds").dump().find(id.dump()) != std::string::npos) << id;
-    ASSERT_TRUE(session.wants_other_frames());
-    EXPECT_EQ(session.take_filter()->links, (std::vector<std::string>{"ground"}));
+    ASSERT_TRUE(session.filter_has_changed());
+    EXPECT_EQ(session.pop_filter()->links, (std::vector<std::string>{"ground"}));
     session.show(recorded(euler));
     EXPECT_TRUE(all().data.empty()) << "it came before it was gone";
     session.show(recorded(wind, "ground"));
@@ -195,7 +195,7 @@ TEST_F(FoxgloveSessionTest, channels_of_a_removed_link_are_unadvertised_and_adve
     subscribe(3, of_fc);
     EXPECT_EQ(statuses(),
               (std::vector<std::string>{"channel " + std::to_string(of_fc) + " no longer exists because its link was removed"}));
-    session.hear(R"({"op":"unsubscribe","subscriptionIds":[1]})");
+    session.receive(R"({"op":"unsubscribe","subscriptionIds":[1]})");
     EXPECT_TRUE(statuses().empty()) << "he may end what he began";
 
     learn(recorded(euler));
@@ -266,7 +266,7 @@ TEST_F(FoxgloveSessionTest, whole_frames_form_one_channel_whether_forwarded_or_d
     subscribe(1, channel);
     FrameFilterSettings whole;
     whole.elsewhere = false;    // frames that another sender sends with the address of a device are not shown
-    EXPECT_EQ(session.take_filter(), whole);
+    EXPECT_EQ(session.pop_filter(), whole);
     session.show(recorded(euler, "fc", Direction::out));
     const auto data = all().data;
     ASSERT_EQ(data.size(), 1u);
@@ -279,10 +279,10 @@ TEST_F(FoxgloveSessionTest, requests_no_frames_after_unsubscribing) {
     learn(recorded(euler));
     const unsigned channel = channels().at("/fc/device_220/euler").at("id");
     subscribe(7, channel);
-    session.take_filter();
-    session.hear(R"({"op":"unsubscribe","subscriptionIds":[7]})");
-    EXPECT_TRUE(session.wants_other_frames());
-    EXPECT_EQ(session.take_filter(), std::nullopt);
+    session.pop_filter();
+    session.receive(R"({"op":"unsubscribe","subscriptionIds":[7]})");
+    EXPECT_TRUE(session.filter_has_changed());
+    EXPECT_EQ(session.pop_filter(), std::nullopt);
     session.show(recorded(euler));
     EXPECT_TRUE(all().data.empty());
     subscribe(7, channel);
@@ -300,7 +300,7 @@ TEST_F(FoxgloveSessionTest, invalid_subscriptions_are_errors_and_change_nothing)
     subscribe(8, one);
     subscribe(9, 4000000000);
     subscribe(9, 0);
-    session.hear(R"({"op":"unsubscribe","subscriptionIds":[8]})");
+    session.receive(R"({"op":"unsubscribe","subscriptionIds":[8]})");
     EXPECT_EQ(statuses(), (std::vector<std::string>{"the subscription id 7 is already in use",
                                                     "channel " + std::to_string(one) + " is already subscribed with id 7",
                                                     "unknown channel 4000000000: it was not advertised",
@@ -315,7 +315,7 @@ TEST_F(FoxgloveSessionTest, of_a_thousand_errors_some_are_reported_and_the_rest_
     all();
     json many = json::array();
     for (unsigned i = 0; i < 1000; ++i) many.push_back({{"id", i}, {"channelId", 77}});
-    session.hear(json{{"op", "subscribe"}, {"subscriptions", many}}.dump());
+    session.receive(json{{"op", "subscribe"}, {"subscriptions", many}}.dump());
     const auto words = statuses();
     ASSERT_EQ(words.size(), FoxgloveSession::max_statuses + 1);
     EXPECT_EQ(words.back(), std::to_string(1000 - FoxgloveSession::max_statuses) + " more errors are not reported individually");
@@ -338,9 +338,9 @@ TEST_F(FoxgloveSessionTest, dropped_frames_are_reported_per_message) {
 
 TEST_F(FoxgloveSessionTest, binary_and_invalid_messages_get_error_responses) {
     all();
-    session.hear_bytes();
-    session.hear("nonsense");
-    session.hear(R"({"op":"setParameters","parameters":[]})");
+    session.receive_binary();
+    session.receive("nonsense");
+    session.receive(R"({"op":"setParameters","parameters":[]})");
     const auto texts = all().texts;
     ASSERT_EQ(texts.size(), 3u);
     for (const json& text : texts) EXPECT_EQ(text.at("level"), 2) << text;
@@ -348,7 +348,7 @@ TEST_F(FoxgloveSessionTest, binary_and_invalid_messages_get_error_responses) {
 
 TEST_F(FoxgloveSessionTest, parameter_requests_are_forwarded_and_answered_with_their_id) {
     all();
-    session.hear(R"({"op":"getParameters","parameterNames":["fc/220/A"],"id":"first"})");
+    session.receive(R"({"op":"getParameters","parameterNames":["fc/220/A"],"id":"first"})");
     const auto question = session.next_question();
     ASSERT_TRUE(question);
     EXPECT_EQ(question->names, (std::vector<std::string>{"fc/220/A"}));
@@ -363,16 +363,16 @@ TEST_F(FoxgloveSessionTest, parameter_requests_are_forwarded_and_answered_with_t
 
 TEST_F(FoxgloveSessionTest, requests_beyond_the_limit_of_waiting_ones_are_rejected) {
     all();
-    for (std::size_t i = 0; i < FoxgloveSession::max_questions + 3; ++i) session.hear(R"({"op":"getParameters"})");
+    for (std::size_t i = 0; i < FoxgloveSession::max_questions + 3; ++i) session.receive(R"({"op":"getParameters"})");
     std::vector<foxglove::GetParameters> questions;
     while (auto question = session.next_question()) questions.push_back(std::move(*question));
     EXPECT_EQ(questions.size(), FoxgloveSession::max_questions);
     EXPECT_EQ(statuses().size(), 3u);
     session.answer(questions.front(), {});
-    session.hear(R"({"op":"getParameters"})");
+    session.receive(R"({"op":"getParameters"})");
     EXPECT_FALSE(session.next_question()) << "he has not taken the answer: many would fill the memory";
     EXPECT_EQ(all().texts.size(), 2u) << "and that it is refused";
-    session.hear(R"({"op":"getParameters"})");
+    session.receive(R"({"op":"getParameters"})");
     EXPECT_TRUE(session.next_question()) << "an answer that is taken makes room";
 }
 
@@ -380,7 +380,7 @@ TEST_F(FoxgloveSessionTest, names_too_long_for_a_parameter_are_not_stored) {
     all();
     const std::string longest(FoxgloveSession::max_watched_name, 'x');
     const auto watch = [&](const std::string& name) {
-        session.hear(json{{"op", "subscribeParameterUpdates"}, {"parameterNames", json::array({name})}}.dump());
+        session.receive(json{{"op", "subscribeParameterUpdates"}, {"parameterNames", json::array({name})}}.dump());
     };
     watch(longest);
     watch(longest + "x");
@@ -394,16 +394,16 @@ TEST_F(FoxgloveSessionTest, changes_of_watched_parameters_are_reported_with_thei
     all();
     session.changed({{"fc/220/A", "1"}});
     EXPECT_TRUE(all().texts.empty());
-    session.hear(R"({"op":"subscribeParameterUpdates","parameterNames":["fc/220/A"]})");
+    session.receive(R"({"op":"subscribeParameterUpdates","parameterNames":["fc/220/A"]})");
     session.changed({{"fc/220/A", "1"}, {"fc/220/B", "2"}});
     session.changed({{"fc/220/A", "3"}});
     auto texts = all().texts;
     ASSERT_EQ(texts.size(), 1u);
     EXPECT_EQ(texts[0].at("parameters"), json::parse(R"([{"name":"fc/220/A","value":3}])"));
-    session.hear(R"({"op":"subscribeParameterUpdates","parameterNames":[]})");
+    session.receive(R"({"op":"subscribeParameterUpdates","parameterNames":[]})");
     session.changed({{"fc/220/B", "2"}});
     EXPECT_EQ(all().texts.size(), 1u) << "none is all";
-    session.hear(R"({"op":"unsubscribeParameterUpdates","parameterNames":[]})");
+    session.receive(R"({"op":"unsubscribeParameterUpdates","parameterNames":[]})");
     session.changed({{"fc/220/A", "1"}, {"fc/220/B", "2"}});
     EXPECT_TRUE(all().texts.empty());
 }

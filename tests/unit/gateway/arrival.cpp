@@ -258,13 +258,13 @@ using Watch = ArrivalTest;
 TEST_F(Watch, reports_stalls_longer_than_half_a_second) {
     idle(10s);
     EXPECT_EQ(loop.standstills(), 0u);
-    pass(LoopWatch::told);
-    EXPECT_FALSE(turn().is_told);
+    pass(LoopWatch::min_reported);
+    EXPECT_FALSE(turn().is_reported);
     EXPECT_EQ(loop.standstills(), 0u);
     beat();
-    pass(LoopWatch::told + 1ms);
-    EXPECT_TRUE(turn().is_told);
-    EXPECT_FALSE(turn().is_told) << "once";
+    pass(LoopWatch::min_reported + 1ms);
+    EXPECT_TRUE(turn().is_reported);
+    EXPECT_FALSE(turn().is_reported) << "once";
     EXPECT_EQ(loop.standstills(), 1u);
     beat();
     pass(9s);
@@ -281,12 +281,12 @@ TEST_F(Watch, reports_stalls_longer_than_half_a_second) {
 TEST_F(Watch, data_read_before_the_end_of_a_stall_or_just_after_it_may_have_waited) {
     const auto may_have_waited = [&] { return loop.may_have_waited(clocks.now); };
     EXPECT_FALSE(may_have_waited());
-    pass(period + LoopWatch::told / 2);
+    pass(period + LoopWatch::min_reported / 2);
     turn();
     EXPECT_FALSE(may_have_waited()) << "the machine was busy";
     loop.beat(period);
     const TimePoint before = clocks.now;
-    pass(period + 2 * LoopWatch::told);
+    pass(period + 2 * LoopWatch::min_reported);
     turn();
     EXPECT_TRUE(loop.may_have_waited(before));
     EXPECT_TRUE(may_have_waited());
@@ -300,14 +300,14 @@ TEST_F(Watch, detects_a_stall_by_the_age_of_waiting_data) {
     turn();
     pass(5ms);
     const Duration came = stamp();
-    pass(LoopWatch::told + 1ms);
-    EXPECT_FALSE(turn().is_told);
+    pass(LoopWatch::min_reported + 1ms);
+    EXPECT_FALSE(turn().is_reported);
     const TimePoint arrived = wire.stamped(came, loop);
     EXPECT_EQ(loop.waited(clocks.now), 0s) << "it woke the loop, which had nothing to do before";
-    EXPECT_EQ(loop.waited(arrived), LoopWatch::told + 1ms);
+    EXPECT_EQ(loop.waited(arrived), LoopWatch::min_reported + 1ms);
     EXPECT_EQ(loop.waited(arrived), 0s) << "once";
     EXPECT_EQ(loop.standstills(), 1u);
-    EXPECT_EQ(loop.longest(), LoopWatch::told + 1ms);
+    EXPECT_EQ(loop.longest(), LoopWatch::min_reported + 1ms);
 }
 
 TEST_F(Watch, remembers_a_stall_through_a_turn_just_too_short_to_be_reported) {
@@ -315,7 +315,7 @@ TEST_F(Watch, remembers_a_stall_through_a_turn_just_too_short_to_be_reported) {
     const Duration came = stamp();
     pass(2s);
     turn();
-    pass(LoopWatch::told);
+    pass(LoopWatch::min_reported);
     turn();
     EXPECT_EQ(loop.waited(wire.stamped(came, loop)), 2s);
 }
@@ -326,7 +326,7 @@ TEST_F(Watch, reports_no_stall_for_data_that_waited_while_the_loop_ran) {
     idle(900ms);
     EXPECT_EQ(loop.waited(wire.stamped(came, loop)), 0s);
     pass(700ms);
-    EXPECT_TRUE(turn().is_told);
+    EXPECT_TRUE(turn().is_reported);
     EXPECT_EQ(loop.waited(wire.stamped(came, loop)), 0s) << "nor when the beat has told it";
     EXPECT_EQ(loop.standstills(), 1u);
 }

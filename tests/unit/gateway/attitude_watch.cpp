@@ -46,8 +46,8 @@ struct Device {
     void turn(ano::Duration time, double yaw_of_euler, double yaw_of_quaternion, std::uint8_t source = 0xDD) {
         for (const auto end = now + time; now < end; now += 50ms) {
             const Bytes one = euler(yaw_of_euler, source), other = quaternion(yaw_of_quaternion, source);
-            watch.hear(ano::FrameView{one}, now);
-            watch.hear(ano::FrameView{other}, now + 10ms);
+            watch.receive(ano::FrameView{one}, now);
+            watch.receive(ano::FrameView{other}, now + 10ms);
         }
     }
 };
@@ -95,8 +95,8 @@ TEST(AttitudeWatch, ignores_a_device_that_turns_far_between_the_two_frames) {
     Device device;
     for (int i = 0; i < 400; ++i, device.now += 50ms) {    // 200 degrees a second, the quaternion 90 ms late
         const Bytes one = euler(std::remainder(10.0 * i, 360)), other = quaternion(10.0 * i - 18);
-        device.watch.hear(ano::FrameView{one}, device.now);
-        device.watch.hear(ano::FrameView{other}, device.now + 1ms);
+        device.watch.receive(ano::FrameView{one}, device.now);
+        device.watch.receive(ano::FrameView{other}, device.now + 1ms);
     }
     EXPECT_EQ(device.watch.contradictory(), 0);
 }
@@ -123,9 +123,9 @@ TEST(AttitudeWatch, frames_far_apart_and_of_different_devices_are_not_compared) 
     Device device;
     for (int i = 0; i < 40; ++i) {
         const Bytes one = euler(40), other = quaternion(-40), of_another = quaternion(-40, 0xDC);
-        device.watch.hear(ano::FrameView{one}, device.now);
-        device.watch.hear(ano::FrameView{of_another}, device.now);
-        device.watch.hear(ano::FrameView{other}, device.now + 150ms);
+        device.watch.receive(ano::FrameView{one}, device.now);
+        device.watch.receive(ano::FrameView{of_another}, device.now);
+        device.watch.receive(ano::FrameView{other}, device.now + 150ms);
         device.now += 300ms;
     }
     EXPECT_EQ(device.watch.contradictory(), 0);
@@ -140,7 +140,7 @@ TEST(AttitudeWatch, allocates_no_memory_and_compares_only_the_first_devices) {
     }
     const auto before = support::allocations;
     for (int i = 0; i < 100; ++i, device.now += 50ms)
-        for (const Bytes& frame : frames) device.watch.hear(ano::FrameView{frame}, device.now);
+        for (const Bytes& frame : frames) device.watch.receive(ano::FrameView{frame}, device.now);
     EXPECT_EQ(support::allocations, before);
     EXPECT_EQ(device.watch.contradictory(), 1);
 }

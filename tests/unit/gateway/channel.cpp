@@ -46,7 +46,7 @@ TEST(Channel, counts_skipped_bytes_since_the_last_valid_frame) {
     const auto bring = [&](const support::Bytes& bytes) {
         std::copy(bytes.begin(), bytes.end(), channel.parser.prepare().begin());
         channel.parser.commit(bytes.size(), {});
-        while (channel.parser.next()) channel.hear(ano::TimePoint{std::chrono::hours{1}});
+        while (channel.parser.next()) channel.record_received(ano::TimePoint{std::chrono::hours{1}});
     };
     bring(support::Bytes(5, 0x55));
     EXPECT_EQ(channel.skipped_since_heard(), 5u);

@@ -18,7 +18,7 @@ struct ClaimsTest : testing::Test {
     /// A letter for each due action: a(sked), or S(ilent).
     std::string due(TimePoint now) {
         std::string all;
-        while (const auto step = claims.take(now)) all += step->silent ? 'S' : 'a';
+        while (const auto step = claims.next_due(now)) all += step->silent ? 'S' : 'a';
         return all;
     }
     Claims claims{{.questions = 2, .answer_within = 10ms, .between_tests = 100ms, .late = 5ms}};
@@ -34,7 +34,7 @@ TEST_F(ClaimsTest, sends_requests_and_waits_after_each) {
     EXPECT_EQ(due(start + 9ms), "");
     EXPECT_EQ(due(start + 10ms), "a");
     EXPECT_EQ(due(start + 19ms), "");
-    const auto verdict = claims.take(start + 20ms);
+    const auto verdict = claims.next_due(start + 20ms);
     ASSERT_TRUE(verdict && verdict->silent);
     EXPECT_EQ(verdict->address, 7);
     EXPECT_EQ(verdict->claimant, channel(3));

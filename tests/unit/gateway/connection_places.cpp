@@ -32,7 +32,7 @@ TEST(ConnectionPlaces, connections_without_a_frame_within_ten_seconds_are_replac
     EXPECT_FALSE(places.place_for(all, address(4), false, at(10s)).free);
     const auto place = places.place_for(all, address(4), false, at(11s));
     EXPECT_TRUE(place.free);
-    EXPECT_EQ(place.gives_way, 2u);
+    EXPECT_EQ(place.evicted, 2u);
 }
 
 TEST(ConnectionPlaces, an_address_has_a_share_and_replaces_only_silent_connections_of_the_same_address) {
@@ -40,8 +40,8 @@ TEST(ConnectionPlaces, an_address_has_a_share_and_replaces_only_silent_connectio
     std::vector<Connection> all{
         {address(1), at(0s), true, false}, {address(1), at(0s), true, false}, {address(2), at(0s), false, false}};
     EXPECT_FALSE(places.place_for(all, address(1), false, at(60s)).free);
-    all[1].has_spoken = false;
-    EXPECT_EQ(places.place_for(all, address(1), false, at(60s)).gives_way, 1u);
+    all[1].has_sent_frame = false;
+    EXPECT_EQ(places.place_for(all, address(1), false, at(60s)).evicted, 1u);
     const auto loopback = IpAddress::v4(127, 0, 0, 1);
     const std::vector<Connection> own{{loopback, at(0s), true, false}, {loopback, at(0s), true, false}};
     EXPECT_TRUE(places.place_for(own, loopback, false, at(0s)).free);
@@ -59,7 +59,7 @@ TEST(ConnectionPlaces, a_silent_trusted_connection_is_replaced_only_by_a_trusted
     const ConnectionPlaces places{2, 2, 0};
     const std::vector<Connection> all{{address(1), at(0s), true, false}, {address(2), at(0s), false, true}};
     EXPECT_FALSE(places.place_for(all, address(3), false, at(60s)).free);
-    EXPECT_EQ(places.place_for(all, address(4), true, at(60s)).gives_way, 1u);
+    EXPECT_EQ(places.place_for(all, address(4), true, at(60s)).evicted, 1u);
 }
 
 }    // namespace

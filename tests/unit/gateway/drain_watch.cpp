@@ -16,7 +16,7 @@ struct Line {
     bool is_stopped_after(ano::Duration time, bool waits = true, std::uint64_t bytes_each = 0) {
         bool is_stopped = false;
         for (const auto end = now + time; now < end; now += 100ms, left += bytes_each)
-            is_stopped = watch.takes_nothing(left, waits, now);
+            is_stopped = watch.accepts_nothing(left, waits, now);
         return is_stopped;
     }
 };

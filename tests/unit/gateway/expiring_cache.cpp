@@ -57,7 +57,7 @@ TEST(ExpiringCache, returns_the_time_at_which_an_entry_was_stored) {
     for (const TimePoint at : {TimePoint{}, TimePoint{} - 1s, start}) {    // a clock may begin at any time
         cache.put(5, 1, at);
         ASSERT_NE(cache.find(5, at), nullptr);
-        EXPECT_EQ(cache.put_at(5), at);
+        EXPECT_EQ(cache.stored_at(5), at);
         cache.for_each([at](std::uint64_t key, TimePoint told, int) { EXPECT_TRUE(key == 5 && told == at); });
     }
 }

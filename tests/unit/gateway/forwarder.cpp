@@ -9,23 +9,23 @@ TEST_F(Forwarding, a_received_frame_is_offered_to_its_channels) {
     Channel& device = add();
     Channel& ground = add();
     Channel& other = add();
-    EXPECT_EQ(told(device, telemetry), (Lines{"received 0", "offered 1", "offered 2"}));
+    EXPECT_EQ(events(device, telemetry), (Lines{"received 0", "offered 1", "offered 2"}));
     EXPECT_EQ(forwarder.next_to_flush(), &ground);
     EXPECT_EQ(taken(ground), Frames{telemetry});
     EXPECT_EQ(forwarder.next_to_flush(), &other);
     EXPECT_EQ(forwarder.next_to_flush(), nullptr) << "each once";
-    EXPECT_EQ(told(ground, command), (Lines{"received 1", "offered 0"})) << "learned";
+    EXPECT_EQ(events(ground, command), (Lines{"received 1", "offered 0"})) << "learned";
     EXPECT_EQ(device.heard_at, now);
 }
 
 TEST_F(Forwarding, frames_without_a_receiver_are_counted_and_reported) {
     Channel& device = add();
     add_with([](ForwarderLink& link) { link.route.flood = link.route.broadcast = false; });
-    EXPECT_EQ(told(device, telemetry), (Lines{"received 0", "dropped 0 no_route"}));
+    EXPECT_EQ(events(device, telemetry), (Lines{"received 0", "dropped 0 no_route"}));
     EXPECT_EQ(device.routed.no_route, 1u);
-    EXPECT_FALSE(forwarder.traffic(device.link).untaken.duration(now)) << "it was not for hosts";
+    EXPECT_FALSE(forwarder.traffic(device.link).undelivered.duration(now)) << "it was not for hosts";
     receive(device, frame(fc, host, 0x03, {1}));
-    EXPECT_TRUE(forwarder.traffic(device.link).untaken.duration(now));
+    EXPECT_TRUE(forwarder.traffic(device.link).undelivered.duration(now));
 }
 
 TEST_F(Forwarding, frames_for_a_host_that_reach_only_links_that_are_down_have_no_receiver) {
@@ -34,26 +34,26 @@ TEST_F(Forwarding, frames_for_a_host_that_reach_only_links_that_are_down_have_no
     receive(ground, frame(host, all, 0xE0, {0, 0, 0}));
     forwarder.link_down(ground.link);
     const Bytes to_host = frame(fc, host, 0x03, {1});
-    EXPECT_EQ(told(device, to_host), (Lines{"received 0", "refused 1 link_down"}));
-    EXPECT_TRUE(forwarder.traffic(device.link).untaken.duration(now));
+    EXPECT_EQ(events(device, to_host), (Lines{"received 0", "refused 1 link_down"}));
+    EXPECT_TRUE(forwarder.traffic(device.link).undelivered.duration(now));
     EXPECT_EQ(device.routed.no_route, 0u);
     Channel& listener = add();
     receive(device, to_host);
     EXPECT_EQ(taken(listener), Frames{to_host});
-    EXPECT_FALSE(forwarder.traffic(device.link).untaken.duration(now));
+    EXPECT_FALSE(forwarder.traffic(device.link).undelivered.duration(now));
     forwarder.link_down(listener.link);
     receive(device, to_host);
-    EXPECT_TRUE(forwarder.traffic(device.link).untaken.duration(now));
+    EXPECT_TRUE(forwarder.traffic(device.link).undelivered.duration(now));
     forwarder.link_up(ground.link, now);
     receive(device, to_host);
-    EXPECT_FALSE(forwarder.traffic(device.link).untaken.duration(now));
+    EXPECT_FALSE(forwarder.traffic(device.link).undelivered.duration(now));
 }
 
 TEST_F(Forwarding, frames_for_a_link_without_a_channel_are_counted_at_that_link) {
     Channel& ground = add();
     const LinkId absent = forwarder.add_link({});
     forwarder.pin(fc, fc, absent);
-    EXPECT_EQ(told(ground, command), (Lines{"received 0", "refused 1 link_down"}));
+    EXPECT_EQ(events(ground, command), (Lines{"received 0", "refused 1 link_down"}));
     EXPECT_EQ(forwarder.traffic(absent).gone_sent.link_down, 1u);
     EXPECT_EQ(forwarder.traffic(absent).gone_sent.offered, 1u);
     EXPECT_EQ(ground.routed.no_route, 0u);
@@ -62,11 +62,11 @@ TEST_F(Forwarding, frames_for_a_link_without_a_channel_are_counted_at_that_link)
 TEST_F(Forwarding, frames_that_the_outbox_refuses_are_reported) {
     Channel& device = add();
     Channel& small = add_with([](ForwarderLink& link) { link.outbox.max_data = 3; });
-    EXPECT_EQ(told(device, telemetry), (Lines{"received 0", "offered 1"})) << "exactly max_data";
-    EXPECT_EQ(told(device, frame(fc, all, 0x03, {1, 2, 3, 4})), (Lines{"received 0", "refused 1 too_big"}));
+    EXPECT_EQ(events(device, telemetry), (Lines{"received 0", "offered 1"})) << "exactly max_data";
+    EXPECT_EQ(events(device, frame(fc, all, 0x03, {1, 2, 3, 4})), (Lines{"received 0", "refused 1 too_big"}));
     EXPECT_EQ(small.sent().too_big, 1u);
     forwarder.link_down(small.link);
-    EXPECT_EQ(told(device, telemetry), (Lines{"received 0", "refused 1 link_down"}));
+    EXPECT_EQ(events(device, telemetry), (Lines{"received 0", "refused 1 link_down"}));
     EXPECT_EQ(small.sent().link_down, 2u) << "that one, and the one that waited";
 }
 
@@ -102,14 +102,15 @@ TEST_F(Forwarding, a_dropped_frame_is_counted_at_the_first_step_that_drops_it) {
     both.insert(wifi.link);
     forwarder.inhibit().add(both);
     receive(device, telemetry);
-    EXPECT_EQ(told(radio, command), (Lines{"received 1", "dropped 1 denied_in"})) << "the filter before the switch";
-    EXPECT_EQ(told(wifi, command), (Lines{"received 2", "dropped 2 duplicate"})) << "a copy before the filter";
-    EXPECT_EQ(told(radio, telemetry), (Lines{"received 1", "offered 0", "offered 1", "offered 0"})) << "with probes ahead of it";
+    EXPECT_EQ(events(radio, command), (Lines{"received 1", "dropped 1 denied_in"})) << "the filter before the switch";
+    EXPECT_EQ(events(wifi, command), (Lines{"received 2", "dropped 2 duplicate"})) << "a copy before the filter";
+    EXPECT_EQ(events(radio, telemetry), (Lines{"received 1", "offered 0", "offered 1", "offered 0"}))
+        << "with probes ahead of it";
     for (const Bytes& bytes : taken(device))
         if (is_probe(ano::FrameView{bytes})) receive(radio, bytes);
-    EXPECT_EQ(told(radio, telemetry).at(1), "dropped 1 looped") << "what went round before all";
+    EXPECT_EQ(events(radio, telemetry).at(1), "dropped 1 looped") << "what went round before all";
     const Bytes parameter = frame(host, fc, 0xE1, {1, 0, 0});
-    EXPECT_EQ(told(radio, parameter), (Lines{"received 1", "dropped 1 inhibited"}));
+    EXPECT_EQ(events(radio, parameter), (Lines{"received 1", "dropped 1 inhibited"}));
     EXPECT_EQ(radio.routed.denied_in + radio.routed.inhibited + radio.routed.looped + radio.routed.duplicate, 4u)
         << "and the probe";
     EXPECT_EQ(radio.routed.no_route, 0u);
@@ -123,7 +124,7 @@ TEST_F(Forwarding, filtered_frames_teach_no_address) {
     EXPECT_EQ(forwarder.router().learned(fc, now).links, LinkSet{});
     receive(device, frame(fc, all, 0x04, {1}));
     EXPECT_EQ(forwarder.router().learned(fc, now).links, LinkSet{device.link});
-    EXPECT_EQ(told(ground, command), (Lines{"received 0", "offered 1"}));
+    EXPECT_EQ(events(ground, command), (Lines{"received 0", "offered 1"}));
     EXPECT_EQ(device.routed.denied_in, 1u);
     EXPECT_EQ(other.sent().offered, 1u);
 }
@@ -134,9 +135,9 @@ TEST_F(Forwarding, a_frame_for_several_channels_of_a_link_counts_once_for_its_li
     Channel& second = *forwarder.open_channel(first.link, "peer", now);
     forwarder.link_up(first.link, now);
     now += 1ms;
-    EXPECT_EQ(told(device, telemetry), (Lines{"received 0", "offered 1", "offered 2"}));
+    EXPECT_EQ(events(device, telemetry), (Lines{"received 0", "offered 1", "offered 2"}));
     now += 100ms;
-    EXPECT_EQ(told(device, frame(fc, all, 0x03, {4})), (Lines{"received 0", "refused 1 limited", "refused 1 limited"}));
+    EXPECT_EQ(events(device, frame(fc, all, 0x03, {4})), (Lines{"received 0", "refused 1 limited", "refused 1 limited"}));
     EXPECT_EQ(first.sent().limited + second.sent().limited, 2u);
 }
 
@@ -144,11 +145,11 @@ TEST_F(Forwarding, frames_received_stale_do_not_count_for_a_limit) {
     Channel& device = add();
     Channel& slow = add_with([](ForwarderLink& link) { link.rules.limit = {{0x03, 1}}; });
     device.arrived_at = now - 2s;
-    diary.take();
+    diary.pop_all();
     forwarder.receive(device, ano::FrameView{telemetry}, now);
-    EXPECT_EQ(diary.take(), (Lines{"received 0", "refused 1 stale"}));
+    EXPECT_EQ(diary.pop_all(), (Lines{"received 0", "refused 1 stale"}));
     EXPECT_EQ(forwarder.traffic(slow.link).came_stale, 1u);
-    EXPECT_EQ(told(device, frame(fc, all, 0x03, {4})), (Lines{"received 0", "offered 1"}));
+    EXPECT_EQ(events(device, frame(fc, all, 0x03, {4})), (Lines{"received 0", "offered 1"}));
 }
 
 TEST_F(Forwarding, time_spent_waiting_to_be_read_counts_to_the_age_in_the_queue) {
@@ -166,12 +167,12 @@ TEST_F(Forwarding, a_channel_records_whether_a_host_sent_to_it) {
     Channel& a = add();
     Channel& b = add();
     receive(a, telemetry);
-    EXPECT_FALSE(b.hosts_spoke);
+    EXPECT_FALSE(b.had_host_frames);
     receive(a, frame(host, all, 0xE0, {0, 0, 0}));
-    EXPECT_TRUE(b.hosts_spoke);
-    EXPECT_FALSE(a.hosts_spoke);
+    EXPECT_TRUE(b.had_host_frames);
+    EXPECT_FALSE(a.had_host_frames);
     receive(a, telemetry);
-    EXPECT_TRUE(b.hosts_spoke) << "for good";
+    EXPECT_TRUE(b.had_host_frames) << "for good";
 }
 
 TEST_F(Forwarding, a_filter_counts_the_frames_that_it_drops) {
@@ -180,9 +181,9 @@ TEST_F(Forwarding, a_filter_counts_the_frames_that_it_drops) {
         link.rules.send = without(0x03);
         link.sends_empty = false;
     });
-    EXPECT_EQ(told(device, telemetry), (Lines{"received 0", "refused 1 denied_out"}));
-    EXPECT_EQ(told(device, frame(fc, all, 0x04)), (Lines{"received 0", "refused 1 denied_out"}));
-    EXPECT_EQ(told(device, frame(fc, all, 0x04, {1})), (Lines{"received 0", "offered 1"}));
+    EXPECT_EQ(events(device, telemetry), (Lines{"received 0", "refused 1 denied_out"}));
+    EXPECT_EQ(events(device, frame(fc, all, 0x04)), (Lines{"received 0", "refused 1 denied_out"}));
+    EXPECT_EQ(events(device, frame(fc, all, 0x04, {1})), (Lines{"received 0", "offered 1"}));
     EXPECT_EQ(ground.sent().denied_out, 2u);
 }
 
@@ -192,7 +193,7 @@ TEST_F(Forwarding, an_aliased_device_is_reached_by_its_alias_only) {
     receive(aliased, telemetry);
     EXPECT_EQ(taken(ground), Frames{frame(31, all, 0x03, {1, 2, 3})});
     EXPECT_EQ(forwarder.router().pinned(31), LinkSet{aliased.link});
-    EXPECT_EQ(told(ground, command), (Lines{"received 1", "refused 0 denied_out"}));
+    EXPECT_EQ(events(ground, command), (Lines{"received 1", "refused 0 denied_out"}));
     receive(ground, frame(host, 31, 0xC0, {1}));
     EXPECT_EQ(taken(aliased), Frames{frame(host, fc, 0xC0, {1})});
 }
@@ -221,7 +222,7 @@ TEST_F(Forwarding, a_copy_is_recognized_by_its_bytes_before_the_alias_is_applied
     Channel& wifi = add_with(grouped);
     add();
     receive(radio, telemetry);
-    EXPECT_EQ(told(wifi, telemetry), (Lines{"received 1", "dropped 1 duplicate"}));
+    EXPECT_EQ(events(wifi, telemetry), (Lines{"received 1", "dropped 1 duplicate"}));
 }
 
 TEST_F(Forwarding, hosts_of_a_group_share_one_address_and_get_answers_by_any_of_its_links) {
@@ -258,9 +259,9 @@ TEST_F(Forwarding, an_answer_that_returns_is_recognized_in_its_rewritten_form) {
     receive(radio, frame(fc, host, 0xE1, {5, 0, 1}));
     const Bytes answer = frame(fc, ros, 0xE1, {5, 0, 1});
     EXPECT_EQ(taken(ground), Frames{answer});
-    EXPECT_EQ(told(ground, answer).back(), "dropped 0 no_route") << "a copy may be another device's";
+    EXPECT_EQ(events(ground, answer).back(), "dropped 0 no_route") << "a copy may be another device's";
     close_loop(ground, radio);
-    EXPECT_EQ(told(ground, answer).at(1), "dropped 0 looped");
+    EXPECT_EQ(events(ground, answer).at(1), "dropped 0 looped");
 }
 
 TEST_F(Forwarding, a_device_on_two_links_of_a_group_is_no_conflict) {
@@ -272,8 +273,8 @@ TEST_F(Forwarding, a_device_on_two_links_of_a_group_is_no_conflict) {
     now += 100ms;
     receive(radio, telemetry);
     now += DuplicateGuard::silence;
-    EXPECT_EQ(told(wifi, telemetry), (Lines{"received 2", "offered 0"})) << "the radio failed";
-    EXPECT_FALSE(forwarder.take_conflict());
+    EXPECT_EQ(events(wifi, telemetry), (Lines{"received 2", "offered 0"})) << "the radio failed";
+    EXPECT_FALSE(forwarder.pop_conflict());
 }
 
 TEST_F(Forwarding, a_group_passes_the_acknowledgement_of_each_command) {
@@ -287,8 +288,8 @@ TEST_F(Forwarding, a_group_passes_the_acknowledgement_of_each_command) {
         receive(ground, command);
         now += 5ms;
         Channel& other = by == &radio ? wifi : radio;
-        EXPECT_EQ(told(*by, acknowledgement).back(), "offered 0");
-        EXPECT_NE(told(other, acknowledgement).back().find("duplicate"), std::string::npos);
+        EXPECT_EQ(events(*by, acknowledgement).back(), "offered 0");
+        EXPECT_NE(events(other, acknowledgement).back().find("duplicate"), std::string::npos);
         now += 300ms;
     }
 }
@@ -310,12 +311,12 @@ TEST_F(Forwarding, a_group_uses_another_link_after_a_peer_refuses_until_that_pee
     receive(radio, telemetry);
     now += 10ms;
     receive(wifi, frame(fc, all, 0x04, {1}));
-    EXPECT_EQ(told(ground, command), (Lines{"received 0", "offered 1"})) << "heard last";
+    EXPECT_EQ(events(ground, command), (Lines{"received 0", "offered 1"})) << "heard last";
     forwarder.report_unreachable(wifi.link);
-    EXPECT_EQ(told(ground, frame(host, fc, 0xC0, {4})), (Lines{"received 0", "offered 2"}));
+    EXPECT_EQ(events(ground, frame(host, fc, 0xC0, {4})), (Lines{"received 0", "offered 2"}));
     now += 10ms;
     receive(wifi, frame(fc, all, 0x04, {2}));
-    EXPECT_EQ(told(ground, frame(host, fc, 0xC0, {5})), (Lines{"received 0", "offered 1"}));
+    EXPECT_EQ(events(ground, frame(host, fc, 0xC0, {5})), (Lines{"received 0", "offered 1"}));
 }
 
 TEST_F(Forwarding, frames_that_return_by_a_known_loop_are_dropped) {
@@ -329,9 +330,9 @@ TEST_F(Forwarding, frames_that_return_by_a_known_loop_are_dropped) {
     for (const Bytes& bytes : taken(b))
         if (is_probe(ano::FrameView{bytes})) probe = bytes;
     ASSERT_FALSE(probe.empty());
-    EXPECT_EQ(told(a, probe), (Lines{"received 0", "dropped 0 looped"})) << "its answer goes no further";
+    EXPECT_EQ(events(a, probe), (Lines{"received 0", "dropped 0 looped"})) << "its answer goes no further";
     EXPECT_TRUE(forwarder.loops().loop(a.id, now) && forwarder.loops().loop(b.id, now));
-    EXPECT_EQ(told(b, order), (Lines{"received 1", "dropped 1 looped"}));
+    EXPECT_EQ(events(b, order), (Lines{"received 1", "dropped 1 looped"}));
 }
 
 TEST_F(Forwarding, a_copy_that_waited_to_be_read_is_recognized_however_late_it_is_read) {
@@ -339,11 +340,11 @@ TEST_F(Forwarding, a_copy_that_waited_to_be_read_is_recognized_however_late_it_i
     Channel& b = add();
     add();
     receive(a, telemetry);
-    diary.take();
+    diary.pop_all();
     b.arrived_at = now + 50ms;
     now += 10s;
     forwarder.receive(b, ano::FrameView{telemetry}, now);
-    EXPECT_EQ(diary.take(), (Lines{"received 1", "offered 0", "offered 1", "offered 2", "refused 0 stale", "refused 2 stale"}))
+    EXPECT_EQ(diary.pop_all(), (Lines{"received 1", "offered 0", "offered 1", "offered 2", "refused 0 stale", "refused 2 stale"}))
         << "with probes ahead of it";
     EXPECT_EQ(forwarder.router().learned(fc, a.arrived_at).links, LinkSet{a.link}) << "it teaches nothing";
 }
@@ -357,7 +358,7 @@ TEST_F(Forwarding, a_dropped_copy_renews_the_last_heard_time_of_its_source) {
     receive(wifi, frame(fc, all, 0x04, {1}));
     now += 20s;
     receive(radio, frame(fc, all, 0x04, {2}));
-    EXPECT_EQ(told(wifi, frame(fc, all, 0x04, {2})).back(), "dropped 2 duplicate");
+    EXPECT_EQ(events(wifi, frame(fc, all, 0x04, {2})).back(), "dropped 2 duplicate");
     EXPECT_EQ(forwarder.router().heard_at(fc, wifi.id), now);
 }
 
@@ -367,12 +368,12 @@ TEST_F(Forwarding, a_probe_of_another_gateway_is_forwarded_unchanged) {
         link.rules.limit = {{0xC0, 1}};
         link.present_as = 0x20;
     });
-    add_with([](ForwarderLink& link) { link.takes_probes = false; });
+    add_with([](ForwarderLink& link) { link.allows_probes = false; });
     LoopGuard other{8};
     other.open(ChannelId{0}, LinkId{0}, 0, true, now);
     const auto view = other.ask(ChannelId{0}, now).bytes();
     const Bytes probe{view.begin(), view.end()};
-    EXPECT_EQ(told(a, probe), (Lines{"received 0", "offered 1"}));
+    EXPECT_EQ(events(a, probe), (Lines{"received 0", "offered 1"}));
     EXPECT_EQ(diary.last, probe);
 }
 
@@ -395,7 +396,7 @@ TEST_F(Forwarding, the_holder_of_an_address_is_queried_before_the_address_moves)
     EXPECT_EQ(home.sent().offered, 3u) << "and no telemetry for hosts";
     receive(thief, frame(fc, host, 0x03, {10}));
     EXPECT_EQ(forwarder.router().learned(fc, now).links, LinkSet{thief.link}) << "three times silent";
-    EXPECT_FALSE(forwarder.take_conflict());
+    EXPECT_FALSE(forwarder.pop_conflict());
 }
 
 TEST_F(Forwarding, a_refused_claim_is_a_conflict_that_names_its_peer_even_after_the_channel_closes) {
@@ -406,22 +407,22 @@ TEST_F(Forwarding, a_refused_claim_is_a_conflict_that_names_its_peer_even_after_
     receive(home, telemetry);
     now += 1s;
     receive(thief, frame(fc, host, 0x03, {9}));
-    EXPECT_FALSE(forwarder.take_conflict());
+    EXPECT_FALSE(forwarder.pop_conflict());
     now += 10ms;
     receive(home, frame(fc, host, 0xE3, {fc}));
     forwarder.close_channel(thief);
-    const auto conflict = forwarder.take_conflict();
+    const auto conflict = forwarder.pop_conflict();
     ASSERT_TRUE(conflict);
     EXPECT_EQ(conflict->address, fc);
     ASSERT_TRUE(forwarder.claimant(*conflict));
     EXPECT_EQ(forwarder.claimant(*conflict)->peer, "10.0.0.9:5");
     EXPECT_EQ(forwarder.claimant(*conflict)->link, udp);
-    EXPECT_FALSE(forwarder.take_conflict()) << "once";
+    EXPECT_FALSE(forwarder.pop_conflict()) << "once";
 }
 
 TEST_F(Forwarding, requests_beyond_the_limit_wait_for_an_answer_or_a_timeout) {
     Channel& ground = add();
-    Channel& device = add_with([](ForwarderLink& link) { link.takes_few_questions = true; });
+    Channel& device = add_with([](ForwarderLink& link) { link.limits_questions = true; });
     receive(device, telemetry);
     taken(ground);
     constexpr std::size_t questions = 20;
@@ -451,16 +452,16 @@ TEST_F(Forwarding, sends_a_hello_where_nothing_is_received) {
     Channel& second = add_with(speaks);
     EXPECT_EQ(forwarder.hello_due(), std::optional{up + Hello::first_silence}) << "the earliest of several";
     now = up + Hello::first_silence;
-    forwarder.say_hellos(now);
+    forwarder.send_hellos(now);
     EXPECT_EQ(taken(first), (Frames{Bytes{hello_frame.begin(), hello_frame.end()}}));
     EXPECT_TRUE(taken(second).empty());
     receive(first, frame(fc, all, 0x03, {7}));
     now += 200ms;
-    forwarder.say_hellos(now);
+    forwarder.send_hellos(now);
     EXPECT_GT(*forwarder.hello_due(), now);
     forwarder.link_down(first.link);
     forwarder.link_down(second.link);
-    forwarder.say_hellos(now + 10s);
+    forwarder.send_hellos(now + 10s);
     EXPECT_FALSE(forwarder.hello_due());
     forwarder.link_up(first.link, now + 10s);
     EXPECT_TRUE(forwarder.hello_due()) << "up again";
@@ -471,10 +472,10 @@ TEST_F(Forwarding, sends_a_hello_where_nothing_is_received) {
 TEST_F(Forwarding, frames_of_the_gateway_teach_no_address_and_obey_the_rules) {
     Channel& device = add_with([](ForwarderLink& link) { link.rules.limit = {{0xE0, 1}}; });
     const auto question = device_info_question(fc);
-    diary.take();
-    forwarder.say(device.id, ano::FrameView{question}, now);
-    forwarder.say(device.id, ano::FrameView{question}, now);
-    EXPECT_EQ(diary.take(), (Lines{"said 0", "refused 0 limited"}));
+    diary.pop_all();
+    forwarder.send_own(device.id, ano::FrameView{question}, now);
+    forwarder.send_own(device.id, ano::FrameView{question}, now);
+    EXPECT_EQ(diary.pop_all(), (Lines{"said 0", "refused 0 limited"}));
     EXPECT_EQ(forwarder.router().learned(host, now).links, LinkSet{});
 }
 
@@ -494,14 +495,14 @@ TEST_F(Forwarding, observers_can_be_added_and_removed) {
     Diary second;
     forwarder.add_observer(second);
     receive(device, telemetry);
-    EXPECT_EQ(second.take(), diary.take());
+    EXPECT_EQ(second.pop_all(), diary.pop_all());
     forwarder.remove_observer(diary);
     receive(device, telemetry);
-    EXPECT_EQ(second.take().size(), 2u);
-    EXPECT_TRUE(diary.take().empty());
+    EXPECT_EQ(second.pop_all().size(), 2u);
+    EXPECT_TRUE(diary.pop_all().empty());
     forwarder.remove_observer(second);
     receive(device, telemetry);
-    EXPECT_TRUE(second.take().empty());
+    EXPECT_TRUE(second.pop_all().empty());
 }
 
 TEST_F(Forwarding, zero_bytes_are_sent_where_the_next_frame_will_be_sent) {
@@ -533,7 +534,7 @@ TEST_F(Forwarding, zero_bytes_are_sent_where_the_next_frame_will_be_sent) {
 }
 
 TEST_F(Forwarding, frames_that_wait_for_a_link_in_exclusive_use_are_dropped) {
-    Channel& device = add_with([](ForwarderLink& link) { link.takes_few_questions = true; });
+    Channel& device = add_with([](ForwarderLink& link) { link.limits_questions = true; });
     Channel& ground = add();
     receive(device, telemetry);
     taken(ground);

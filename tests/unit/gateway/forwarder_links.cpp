@@ -25,19 +25,19 @@ TEST_F(Removed, a_link_leaves_no_route_no_pin_and_no_counter) {
     add();
     forwarder.pin(40, 41, device.link);
     receive(device, telemetry);
-    EXPECT_EQ(told(ground, frame(host, 7, 0xC0, {1})), (Lines{"received 0", "offered 1"}));
+    EXPECT_EQ(events(ground, frame(host, 7, 0xC0, {1})), (Lines{"received 0", "offered 1"}));
     const ChannelId number = device.id;
     const LinkId gone = remove(device);
     EXPECT_FALSE(forwarder.channels().contains(number));
     for (const std::uint8_t to : {fc, std::uint8_t{7}, std::uint8_t{31}, std::uint8_t{40}, std::uint8_t{41}})
-        EXPECT_EQ(told(ground, frame(host, to, 0xC0, {to})), (Lines{"received 0", "offered 2"})) << "unknown: " << int{to};
+        EXPECT_EQ(events(ground, frame(host, to, 0xC0, {to})), (Lines{"received 0", "offered 2"})) << "unknown: " << int{to};
     Channel& next = add();
     EXPECT_EQ(next.link, gone);
     EXPECT_EQ(next.id, number);
     EXPECT_EQ(forwarder.traffic(gone).gone_sent.offered + forwarder.traffic(gone).gone_received.frames_in, 0u);
     EXPECT_EQ(next.sent().offered, 0u);
     EXPECT_EQ(forwarder.router().pinned(31) | forwarder.router().pinned(40) | forwarder.router().port(7), LinkSet{});
-    EXPECT_EQ(told(ground, frame(host, fc, 0xC0, {9})), (Lines{"received 0", "offered 1", "offered 2"}));
+    EXPECT_EQ(events(ground, frame(host, fc, 0xC0, {9})), (Lines{"received 0", "offered 1", "offered 2"}));
 }
 
 TEST_F(Removed, a_link_leaves_no_rules_to_the_next) {
@@ -47,17 +47,17 @@ TEST_F(Removed, a_link_leaves_no_rules_to_the_next) {
         link.present_as = 0x20;
         link.hello = 2s;
         link.aliases = {{0xDE, 31}};
-        link.takes_few_questions = true;
+        link.limits_questions = true;
     });
     LinkSet links{ruled.link};
     forwarder.inhibit().add(links);
     remove(ruled);
     Channel& plain = add();
-    EXPECT_EQ(told(device, telemetry), (Lines{"received 0", "offered 1"}));
+    EXPECT_EQ(events(device, telemetry), (Lines{"received 0", "offered 1"}));
     EXPECT_EQ(taken(plain), Frames{telemetry});
-    EXPECT_EQ(told(plain, command), (Lines{"received 1", "offered 0"})) << "no switch";
+    EXPECT_EQ(events(plain, command), (Lines{"received 1", "offered 0"})) << "no switch";
     EXPECT_FALSE(plain.questions);
-    forwarder.say_hellos(now + 1h);
+    forwarder.send_hellos(now + 1h);
     EXPECT_FALSE(forwarder.hello_due());
     receive(device, frame(host, 31, 0xC0, {1}));
     EXPECT_EQ(taken(plain), Frames{frame(host, 31, 0xC0, {1})});
@@ -88,11 +88,11 @@ TEST_F(Removed, the_next_link_may_send_frames_that_the_removed_one_sent_and_rece
     receive(device, telemetry);
     remove(device);
     Channel& again = add();
-    EXPECT_EQ(told(again, telemetry), (Lines{"received 0", "offered 1", "offered 2"}));
+    EXPECT_EQ(events(again, telemetry), (Lines{"received 0", "offered 1", "offered 2"}));
     receive(ground, telemetry);
     EXPECT_EQ(third.sent().offered, 4u) << "with a probe: it went there";
     remove(again);
-    EXPECT_EQ(told(add(), telemetry), (Lines{"received 0", "offered 1", "offered 2"}));
+    EXPECT_EQ(events(add(), telemetry), (Lines{"received 0", "offered 1", "offered 2"}));
 }
 
 TEST_F(Removed, frames_of_a_link_are_duplicates_on_the_next_link_with_its_number_and_group) {
@@ -104,7 +104,7 @@ TEST_F(Removed, frames_of_a_link_are_duplicates_on_the_next_link_with_its_number
     const LinkId gone = remove(radio);
     Channel& next = add_with(grouped);
     ASSERT_EQ(next.link, gone);
-    EXPECT_EQ(told(next, telemetry), (Lines{"received 1", "dropped 1 duplicate"}));
+    EXPECT_EQ(events(next, telemetry), (Lines{"received 1", "dropped 1 duplicate"}));
 }
 
 TEST_F(Removed, its_port_id_becomes_an_ordinary_address_for_links_that_share_the_host_address) {
@@ -140,15 +140,15 @@ TEST_F(Removed, a_group_leaves_no_copies_and_no_links) {
     Channel& wifi = add_with(grouped);
     receive(radio, telemetry);
     remove(radio);
-    EXPECT_EQ(told(wifi, telemetry), (Lines{"received 2", "dropped 2 duplicate"})) << "what it brought is known to its group";
+    EXPECT_EQ(events(wifi, telemetry), (Lines{"received 2", "dropped 2 duplicate"})) << "what it brought is known to its group";
     receive(wifi, command);
     remove(wifi);
     EXPECT_EQ(forwarder.router().group(1), LinkSet{});
     Channel& lora = add_with(grouped);
     Channel& mesh = add_with(grouped);
     taken(ground);
-    EXPECT_EQ(told(lora, command), (Lines{"received 1", "offered 0"}));
-    EXPECT_EQ(told(mesh, command), (Lines{"received 2", "dropped 2 duplicate"}));
+    EXPECT_EQ(events(lora, command), (Lines{"received 1", "offered 0"}));
+    EXPECT_EQ(events(mesh, command), (Lines{"received 2", "dropped 2 duplicate"}));
 }
 
 TEST_F(Removed, a_link_of_a_group_leaves_the_address_of_hosts_to_the_others) {
@@ -177,7 +177,7 @@ TEST_F(Removed, a_link_of_a_group_leaves_the_address_of_hosts_to_the_others) {
 }
 
 TEST_F(Removed, a_conflict_ends_with_one_of_its_two_links) {
-    const auto cable = [](ForwarderLink& link) { link.takes_probes = false; };
+    const auto cable = [](ForwarderLink& link) { link.allows_probes = false; };
     Channel& one = add_with(cable);
     Channel& two = add_with(cable);
     Channel& three = add_with(cable);
@@ -188,19 +188,19 @@ TEST_F(Removed, a_conflict_ends_with_one_of_its_two_links) {
         now += 600ms;
     };
     same_on(two, 1);
-    ASSERT_TRUE(forwarder.take_conflict());
+    ASSERT_TRUE(forwarder.pop_conflict());
     EXPECT_EQ(forwarder.router().conflicts(now).size(), 1u);
     remove(two);
     EXPECT_TRUE(forwarder.router().conflicts(now).empty());
-    EXPECT_FALSE(forwarder.take_conflict());
+    EXPECT_FALSE(forwarder.pop_conflict());
     for (std::uint8_t n = 2; n < 6; ++n) same_on(three, n);
     ASSERT_EQ(forwarder.router().conflicts(now).size(), 1u);
     EXPECT_TRUE(forwarder.router().conflicts(now)[0].links.contains(three.link));
-    EXPECT_TRUE(forwarder.take_conflict()) << "another one";
+    EXPECT_TRUE(forwarder.pop_conflict()) << "another one";
 }
 
 TEST_F(Removed, a_link_leaves_no_conflict_to_the_next) {
-    const auto cable = [](ForwarderLink& link) { link.takes_probes = false; };
+    const auto cable = [](ForwarderLink& link) { link.allows_probes = false; };
     Channel& one = add_with(cable);
     Channel& two = add_with(cable);
     add_with(cable);
@@ -208,7 +208,7 @@ TEST_F(Removed, a_link_leaves_no_conflict_to_the_next) {
     const LinkId gone = remove(one);
     EXPECT_EQ(add_with(cable).link, gone);
     receive(two, telemetry);
-    EXPECT_FALSE(forwarder.take_conflict()) << "the next has not said anything";
+    EXPECT_FALSE(forwarder.pop_conflict()) << "the next has not said anything";
 }
 
 TEST_F(Removed, a_link_is_no_longer_a_claimant) {
@@ -230,7 +230,7 @@ TEST_F(Removed, frames_received_by_a_closed_channel_stay_counted) {
     Channel& ground = add();
     close_loop(device, ground);
     receive(device, telemetry);
-    ASSERT_EQ(told(ground, telemetry).at(1), "dropped 1 looped");
+    ASSERT_EQ(events(ground, telemetry).at(1), "dropped 1 looped");
     const LinkId link = ground.link;
     forwarder.close_channel(ground);
     EXPECT_EQ(forwarder.traffic(link).gone_received.looped, 2u) << "and its probe";
@@ -254,8 +254,8 @@ TEST_F(Removed, a_pinned_route_ends_while_its_link_stays) {
     add();
     forwarder.pin(30, 41, device.link);
     forwarder.unpin(30, 41, device.link);
-    EXPECT_EQ(told(ground, frame(host, 40, 0xC0, {1})), (Lines{"received 0", "offered 1", "offered 2"}));
-    EXPECT_EQ(told(ground, frame(host, 31, 0xC0, {1})), (Lines{"received 0", "offered 1"})) << "its alias stays";
+    EXPECT_EQ(events(ground, frame(host, 40, 0xC0, {1})), (Lines{"received 0", "offered 1", "offered 2"}));
+    EXPECT_EQ(events(ground, frame(host, 31, 0xC0, {1})), (Lines{"received 0", "offered 1"})) << "its alias stays";
 }
 
 TEST_F(Removed, changed_settings_of_the_gateway_apply_and_keep_learned_addresses) {
@@ -267,15 +267,15 @@ TEST_F(Removed, changed_settings_of_the_gateway_apply_and_keep_learned_addresses
     settings.id = 199;
     settings.unknown = Unknown::drop;
     forwarder.set(settings);
-    EXPECT_EQ(told(ground, frame(host, fc, 0xC0, {1})), (Lines{"received 0", "offered 1"}));
-    EXPECT_EQ(told(ground, frame(host, 199, 0xC0, {1})), (Lines{"received 0"})) << "ends here";
+    EXPECT_EQ(events(ground, frame(host, fc, 0xC0, {1})), (Lines{"received 0", "offered 1"}));
+    EXPECT_EQ(events(ground, frame(host, 199, 0xC0, {1})), (Lines{"received 0"})) << "ends here";
     EXPECT_EQ(forwarder.router().own_frames(), 1u);
-    EXPECT_EQ(told(ground, frame(host, 77, 0xC0, {1})), (Lines{"received 0", "dropped 0 no_route"}));
+    EXPECT_EQ(events(ground, frame(host, 77, 0xC0, {1})), (Lines{"received 0", "dropped 0 no_route"}));
     settings.unknown = Unknown::link;
     forwarder.set(settings);
-    EXPECT_EQ(told(ground, frame(host, 77, 0xC0, {2})), (Lines{"received 0", "dropped 0 no_route"})) << "no link was named yet";
+    EXPECT_EQ(events(ground, frame(host, 77, 0xC0, {2})), (Lines{"received 0", "dropped 0 no_route"})) << "no link was named yet";
     forwarder.set_unknown_link(device.link);
-    EXPECT_EQ(told(ground, frame(host, 77, 0xC0, {3})), (Lines{"received 0", "offered 1"}));
+    EXPECT_EQ(events(ground, frame(host, 77, 0xC0, {3})), (Lines{"received 0", "offered 1"}));
     settings.id = 0;
     settings.forget_after = 1s;
     forwarder.set(settings);

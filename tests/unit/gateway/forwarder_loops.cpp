@@ -19,7 +19,7 @@ protected:
         Duration way = 20ms;
     };
     static Channel& add_cable(Loops& loops) {
-        return loops.add_with([](ForwarderLink& link) { link.takes_probes = false; });
+        return loops.add_with([](ForwarderLink& link) { link.allows_probes = false; });
     }
     void send(Channel& from, const Bytes& bytes, Duration at) { arriving.emplace(start + 1s + at, std::pair{&from, bytes}); }
     void run(Duration until) {

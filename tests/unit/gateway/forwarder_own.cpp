@@ -51,8 +51,8 @@ TEST_F(OwnFrames, that_a_filter_or_a_switch_drops_do_not_reach_the_gateway) {
     Channel& inhibited = add();
     forwarder.inhibit().set(forwarder.inhibit().add(LinkSet{inhibited.link}), true);
     const Bytes write = frame(host, self, 0xE1, {0, 0, 1});
-    EXPECT_EQ(told(filtered, write), (Lines{"received 0", "dropped 0 denied_in"}));
-    EXPECT_EQ(told(inhibited, write), (Lines{"received 1", "dropped 1 inhibited"}));
+    EXPECT_EQ(events(filtered, write), (Lines{"received 0", "dropped 0 denied_in"}));
+    EXPECT_EQ(events(inhibited, write), (Lines{"received 1", "dropped 1 inhibited"}));
     EXPECT_TRUE(taker.frames.empty());
     receive(inhibited, frame(host, self, 0xE0, {1, 0, 0}));
     EXPECT_EQ(taker.frames.size(), 1u) << "a question changes nothing";
@@ -80,7 +80,7 @@ TEST_F(OwnFrames, that_a_line_echoes_do_not_count_as_frames_of_another_host) {
         own.arrived_at = now;
         forwarder.send_on(own, ano::FrameView{write}, now);
         now += 5ms;
-        EXPECT_EQ(told(line, write).at(1), "dropped 0 looped");
+        EXPECT_EQ(events(line, write).at(1), "dropped 0 looped");
         EXPECT_FALSE(line.echo.is_echo(frame_key(ano::FrameView{write}), false, now)) << "once for each that was sent";
     }
     EXPECT_FALSE(forwarder.router().heard_at(host, line.id));
@@ -88,8 +88,8 @@ TEST_F(OwnFrames, that_a_line_echoes_do_not_count_as_frames_of_another_host) {
     EXPECT_TRUE(line.echo.echoes(now));
     const Bytes forwarded = frame(host, fc, 0xE1, {0, 0, 99});
     receive(ground, forwarded);
-    EXPECT_EQ(told(line, forwarded).at(1), "dropped 0 looped") << "of a host on another link";
-    now += EchoWatch::shown_for;
+    EXPECT_EQ(events(line, forwarded).at(1), "dropped 0 looped") << "of a host on another link";
+    now += EchoWatch::reported_for;
     EXPECT_FALSE(line.echo.echoes(now));
 }
 
@@ -168,7 +168,7 @@ TEST_F(OwnFrames, answers_are_sent_only_to_the_requester_obey_the_rules_and_teac
     now += 5ms;
     EXPECT_TRUE(taker.frames.empty());
     close_loop(ground, other);
-    EXPECT_EQ(told(other, answer).at(1), "dropped 1 looped") << "it came round";
+    EXPECT_EQ(events(other, answer).at(1), "dropped 1 looped") << "it came round";
 }
 
 TEST_F(OwnFrames, log_lines_for_hosts_are_sent_only_where_a_host_was_received) {
@@ -176,12 +176,12 @@ TEST_F(OwnFrames, log_lines_for_hosts_are_sent_only_where_a_host_was_received) {
     Channel& device = add();
     Channel& tablet = add();
     const Bytes line = frame(self, host, 0xA0, {0, 'u', 'p'});
-    forwarder.say_to_heard(ano::FrameView{line}, now);
+    forwarder.send_to_active_channels(ano::FrameView{line}, now);
     EXPECT_TRUE(taken(ground).empty()) << "nobody was heard";
     receive(ground, frame(host, self, 0xE0, {0, 0, 0}));
     receive(tablet, frame(host, self, 0xE0, {0, 0, 0}));
     receive(device, frame(fc, self, 0x03, {1}));
-    forwarder.say_to_heard(ano::FrameView{line}, now);
+    forwarder.send_to_active_channels(ano::FrameView{line}, now);
     EXPECT_EQ(taken(ground), Frames{line});
     EXPECT_EQ(taken(tablet), Frames{line});
     EXPECT_TRUE(taken(device).empty());

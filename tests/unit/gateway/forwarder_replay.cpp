@@ -70,7 +70,7 @@ TEST_F(Replayed, frames_do_not_conflict_with_a_live_device) {
         receive(replay, frame(fc, all, 0x04, {static_cast<std::uint8_t>(i)}));
     }
     EXPECT_TRUE(forwarder.router().conflicts(now).empty());
-    EXPECT_FALSE(forwarder.take_conflict());
+    EXPECT_FALSE(forwarder.pop_conflict());
     EXPECT_TRUE(is_behind(fc, live));
 }
 
@@ -83,9 +83,9 @@ TEST_F(Replayed, frames_of_a_device_pinned_elsewhere_cause_no_conflict) {
 
 TEST_F(Replayed, a_switch_drops_frames_that_command_a_vehicle) {
     const std::size_t inhibit = forwarder.inhibit().add(LinkSet{replay.link});
-    EXPECT_EQ(told(replay, command), (Lines{"received 0", "dropped 0 inhibited"}));
+    EXPECT_EQ(events(replay, command), (Lines{"received 0", "dropped 0 inhibited"}));
     forwarder.inhibit().set(inhibit, false);
-    EXPECT_EQ(told(replay, command), (Lines{"received 0", "offered 1", "offered 2"}));
+    EXPECT_EQ(events(replay, command), (Lines{"received 0", "offered 1", "offered 2"}));
 }
 
 TEST_F(Replayed, frames_do_not_count_as_answers_to_current_requests) {

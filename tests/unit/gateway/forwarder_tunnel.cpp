@@ -51,10 +51,10 @@ protected:
 };
 
 TEST_F(Tunnelled, a_tunnel_frame_of_a_device_ends_at_the_tunnel) {
-    EXPECT_EQ(told(device, around(fc, 0xE6, telemetry)), (Lines{"received 0"}));
+    EXPECT_EQ(events(device, around(fc, 0xE6, telemetry)), (Lines{"received 0"}));
     EXPECT_EQ(port.left, Frames{telemetry});
     EXPECT_EQ(forwarder.router().learned(fc, now).links, LinkSet{device.link});
-    EXPECT_EQ(told(ground, around(0xDD, 0xE6, telemetry)), (Lines{"received 1", "offered 0", "offered 2"}))
+    EXPECT_EQ(events(ground, around(0xDD, 0xE6, telemetry)), (Lines{"received 1", "offered 0", "offered 2"}))
         << "of another link it goes on";
     EXPECT_EQ(port.carried, 1);
 }
@@ -77,7 +77,7 @@ TEST_F(Tunnelled, a_refused_firmware_frame_does_not_pause_the_hello) {
     own.receive(channel, ano::FrameView{around(fc, 0xE6, frame(fc, host, 0xF0, {1}))}, now);
     EXPECT_EQ(inner.carried, 1);
     EXPECT_TRUE(inner.left.empty());
-    own.say_hellos(*due);
+    own.send_hellos(*due);
     EXPECT_EQ(own.hello_due(), *due + 2s);
 }
 
@@ -86,17 +86,17 @@ TEST_F(Tunnelled, a_new_link_with_the_number_of_a_tunnelled_link_is_not_tunnelle
     forwarder.remove_link(number);
     Channel& next = add();
     ASSERT_EQ(next.link, number);
-    EXPECT_EQ(told(next, around(fc, 0xE6, telemetry)), (Lines{"received 0", "offered 1", "offered 2"}));
+    EXPECT_EQ(events(next, around(fc, 0xE6, telemetry)), (Lines{"received 0", "offered 1", "offered 2"}));
     EXPECT_EQ(port.carried, 0);
 }
 
 TEST_F(Tunnelled, a_switch_applies_to_frames_inside_a_tunnel_frame_of_a_device) {
     forwarder.inhibit().add(LinkSet{device.link});
-    EXPECT_EQ(told(device, around(fc, 0xE6, telemetry + command)), (Lines{"received 0", "dropped 0 inhibited"}));
+    EXPECT_EQ(events(device, around(fc, 0xE6, telemetry + command)), (Lines{"received 0", "dropped 0 inhibited"}));
     EXPECT_EQ(port.left, Frames{telemetry});
     const Bytes nested = around(fc, 0x55, command);
-    EXPECT_EQ(told(device, around(fc, 0xE6, nested)), (Lines{"received 0", "dropped 0 inhibited"})) << "nor deeper";
-    EXPECT_EQ(told(device, nested), (Lines{"received 0", "dropped 0 inhibited"})) << "nor in one that goes on unopened";
+    EXPECT_EQ(events(device, around(fc, 0xE6, nested)), (Lines{"received 0", "dropped 0 inhibited"})) << "nor deeper";
+    EXPECT_EQ(events(device, nested), (Lines{"received 0", "dropped 0 inhibited"})) << "nor in one that goes on unopened";
     EXPECT_EQ(port.left.size(), 1u);
     EXPECT_EQ(device.routed.inhibited, 3u);
 }
@@ -119,23 +119,23 @@ TEST_F(Tunnelled, frames_that_return_after_leaving_by_the_tunnel_are_dropped) {
     for (const Bytes& bytes : taken(way))
         if (is_probe(ano::FrameView{bytes})) probe = bytes;
     receive(ground, probe);
-    EXPECT_EQ(told(way, telemetry).at(1), "dropped 2 looped");
+    EXPECT_EQ(events(way, telemetry).at(1), "dropped 2 looped");
     ground.arrived_at = now;
     EXPECT_FALSE(forwarder.passes_to_wrap(ground, ano::FrameView{telemetry}, device.link, now));
     EXPECT_EQ(ground.routed.looped, 2u) << "and the probe";
 }
 
 TEST_F(Tunnelled, a_tunnel_frame_from_inside_a_tunnel_frame_is_not_sent_back_by_that_tunnel) {
-    EXPECT_EQ(told(way, around(0xDD, all, telemetry)), (Lines{"received 2", "offered 0", "offered 1"}));
+    EXPECT_EQ(events(way, around(0xDD, all, telemetry)), (Lines{"received 2", "offered 0", "offered 1"}));
     EXPECT_EQ(port.nested, 0) << "it would not go back there anyway";
     Channel& second = *forwarder.open_channel(way.link, "peer", now);
     forwarder.link_up(way.link, now);
     now += 1ms;
     const Bytes nested = around(0xDD, all, command);
-    EXPECT_EQ(told(way, nested), (Lines{"received 2", "offered 0", "offered 1"}));
+    EXPECT_EQ(events(way, nested), (Lines{"received 2", "offered 0", "offered 1"}));
     EXPECT_EQ(port.nested, 1);
     EXPECT_EQ(second.sent().offered, 0u);
-    EXPECT_EQ(told(second, nested), (Lines{"received 3", "offered 0", "offered 1", "said 2"}))
+    EXPECT_EQ(events(second, nested), (Lines{"received 3", "offered 0", "offered 1", "said 2"}))
         << "it did not go there, so it comes for the first time";
 }
 
@@ -145,13 +145,13 @@ TEST_F(Tunnelled, wrapped_frames_obey_the_rules_of_the_link_of_their_devices) {
         link.rules.limit = {{0x03, 1}};
         link.rules.receive = without(0x08);
     });
-    diary.take();
+    diary.pop_all();
     way.arrived_at = now;
     EXPECT_TRUE(forwarder.passes_to_wrap(way, ano::FrameView{frame(0xDD, all, 0x03, {1})}, limited.link, now));
-    EXPECT_EQ(diary.take(), (Lines{"received 2"})) << "it is not offered until its tunnel frame is whole";
+    EXPECT_EQ(diary.pop_all(), (Lines{"received 2"})) << "it is not offered until its tunnel frame is whole";
     EXPECT_EQ(limited.sent().offered, 0u);
     EXPECT_FALSE(forwarder.passes_to_wrap(way, ano::FrameView{frame(0xDD, all, 0x03, {2})}, limited.link, now));
-    EXPECT_EQ(diary.take(), (Lines{"received 2", "refused 3 limited"}));
+    EXPECT_EQ(diary.pop_all(), (Lines{"received 2", "refused 3 limited"}));
     EXPECT_EQ(forwarder.router().learned(0xDD, now).links, LinkSet{}) << "answers go nowhere";
     const Bytes whole = around(0xE6, all, telemetry);
     forwarder.send(limited.link, ano::FrameView{whole}, now);
@@ -163,7 +163,7 @@ TEST_F(Tunnelled, wrapped_frames_obey_the_rules_of_the_link_of_their_devices) {
 
 TEST_F(Tunnelled, a_removed_tunnel_receives_nothing) {
     forwarder.remove_link(way.link);
-    EXPECT_EQ(told(device, around(fc, 0xE6, telemetry)), (Lines{"received 0", "offered 1"}));
+    EXPECT_EQ(events(device, around(fc, 0xE6, telemetry)), (Lines{"received 0", "offered 1"}));
     EXPECT_EQ(port.carried, 0);
 }
 

@@ -25,7 +25,9 @@ public:
         ++out;
         last_left = {frame.bytes().begin(), frame.bytes().end()};
     }
-    void gave_up(const Channel&, ano::FrameView, SendCause cause) noexcept override { ++not_sent[name_of(send_counters, cause)]; }
+    void discarded(const Channel&, ano::FrameView, SendCause cause) noexcept override {
+        ++not_sent[name_of(send_counters, cause)];
+    }
     void removed(LinkId) override { ++removals; }
 
     std::uint64_t in = 0, out = 0, offers = 0, removals = 0;
@@ -51,10 +53,10 @@ protected:
         return Channel{ourselves, link.link, "send", ano::FrameParser::Options{}, Outbox::Options{}, now};
     }
     Lines sent(Channel& from, const Bytes& bytes) {
-        diary.take();
+        diary.pop_all();
         from.arrived_at = now;
         forwarder.send_on(from, ano::FrameView{bytes}, now);
-        return diary.take();
+        return diary.pop_all();
     }
     Tally tally;
 };
@@ -73,28 +75,28 @@ TEST_F(Watched, an_observer_receives_only_the_events_it_selected) {
         return tally;
     };
     forwarder.add_observer(tally, {true, false, false});
-    Tally told = happen();
-    EXPECT_EQ(told.in, 3u);
-    EXPECT_EQ(told.offers + told.out + told.passed.size() + told.not_sent.size(), 0u);
+    Tally events = happen();
+    EXPECT_EQ(events.in, 3u);
+    EXPECT_EQ(events.offers + events.out + events.passed.size() + events.not_sent.size(), 0u);
     forwarder.add_observer(tally, {false, true, false});
-    told = happen();
-    EXPECT_GE(told.offers, 2u);
-    EXPECT_GE(told.passed.size(), 2u);
-    EXPECT_EQ(told.in + told.out + told.not_sent.count("superseded"), 0u);
+    events = happen();
+    EXPECT_GE(events.offers, 2u);
+    EXPECT_GE(events.passed.size(), 2u);
+    EXPECT_EQ(events.in + events.out + events.not_sent.count("superseded"), 0u);
     forwarder.add_observer(tally, {false, false, true});
     Channel& late = add();    // opened while this is observed
-    told = happen();
-    EXPECT_GT(told.out, 0u);
-    EXPECT_GT(told.not_sent.at("superseded"), 0u);
-    EXPECT_EQ(told.in + told.offers, 0u);
+    events = happen();
+    EXPECT_GT(events.out, 0u);
+    EXPECT_GT(events.not_sent.at("superseded"), 0u);
+    EXPECT_EQ(events.in + events.offers, 0u);
     std::span<const std::uint8_t> piece[1];
     ASSERT_EQ(late.outbox.gather(piece, now), 1u);
     tally = {};
     late.outbox.sent_frame();
     EXPECT_EQ(tally.out, 1u);
     forwarder.remove_observer(tally);
-    told = happen();
-    EXPECT_EQ(told.in + told.out + told.offers, 0u);
+    events = happen();
+    EXPECT_EQ(events.in + events.out + events.offers, 0u);
     EXPECT_TRUE(forwarder.is_observed()) << "by the diary";
 }
 
@@ -166,7 +168,7 @@ TEST_F(Watched, an_answer_to_the_gateway_has_a_receiver) {
 TEST_F(Watched, requests_that_wait_for_the_outbox_are_reported_too) {
     Channel& ground = add();
     Channel& few = add_with([](ForwarderLink& link) {
-        link.takes_few_questions = true;
+        link.limits_questions = true;
         link.sends_empty = false;
     });
     for (std::uint8_t n = 0; n < 20; ++n) receive(ground, frame(host, 0xFF, 0xE0, {1, n, 0}));
@@ -252,7 +254,7 @@ TEST_F(Watched, a_frame_of_the_gateway_that_returns_is_dropped) {
     EXPECT_EQ(out.sent().offered, 3u) << "it may be another device's, and a probe leaves";
     for (const Bytes& bytes : taken(out))
         if (is_probe(ano::FrameView{bytes})) receive(back, bytes);
-    EXPECT_EQ(told(back, spread).at(1), "dropped 1 looped");
+    EXPECT_EQ(events(back, spread).at(1), "dropped 1 looped");
 }
 
 TEST_F(Watched, a_single_channel_may_have_a_port_id) {
@@ -262,11 +264,11 @@ TEST_F(Watched, a_single_channel_may_have_a_port_id) {
     forwarder.open_channel(link, "b", now);
     forwarder.link_up(link, now);
     forwarder.bear(*bearer, 7);
-    EXPECT_EQ(told(device, frame(fc, 7, 0x03, {1})), (Lines{"received 0", "offered 1"}));
+    EXPECT_EQ(events(device, frame(fc, 7, 0x03, {1})), (Lines{"received 0", "offered 1"}));
     EXPECT_EQ(forwarder.router().port(7), LinkSet{link});
     forwarder.close_channel(*bearer);
     EXPECT_TRUE(forwarder.router().port(7).empty());
-    EXPECT_EQ(told(device, frame(fc, 7, 0x03, {2})), (Lines{"received 0", "offered 2"})) << "unknown";
+    EXPECT_EQ(events(device, frame(fc, 7, 0x03, {2})), (Lines{"received 0", "offered 2"})) << "unknown";
 }
 
 }    // namespace

@@ -46,7 +46,7 @@ public:
     void refused(LinkId to, ano::FrameView, SendCause cause) override {
         write("refused", index(to), name_of(send_counters, cause));
     }
-    std::vector<std::string> take() { return std::exchange(lines, {}); }
+    std::vector<std::string> pop_all() { return std::exchange(lines, {}); }
 
     Bytes last;    // the last offered frame, as its receiver sees it
 
@@ -90,10 +90,10 @@ protected:
             if (is_probe(ano::FrameView{bytes})) receive(back, bytes);
         ASSERT_TRUE(forwarder.loops().loop(out.id, now) && forwarder.loops().loop(back.id, now));
     }
-    Lines told(Channel& from, const Bytes& bytes) {
-        diary.take();
+    Lines events(Channel& from, const Bytes& bytes) {
+        diary.pop_all();
         receive(from, bytes);
-        return diary.take();
+        return diary.pop_all();
     }
     std::vector<Bytes> taken(Channel& channel) {
         std::vector<Bytes> frames;

@@ -33,11 +33,11 @@ TEST(FrameRecord, many_in_a_row_are_read_as_they_were_written) {
     append(records, record_of(euler));
     append(records, {7, 8, 63, Direction::out, 0, FrameRecord::no_channel, ano::FrameView{empty}});
     std::string_view rest = records;
-    const auto first = take_record(rest);
+    const auto first = next_record(rest);
     ASSERT_TRUE(first);
     EXPECT_EQ(first->frame.id(), 0x03);
     EXPECT_EQ(first->direction, Direction::in);
-    const auto second = take_record(rest);
+    const auto second = next_record(rest);
     ASSERT_TRUE(second);
     EXPECT_EQ(second->time_ns, 7u);
     EXPECT_EQ(second->boottime_ns, 8u);
@@ -45,7 +45,7 @@ TEST(FrameRecord, many_in_a_row_are_read_as_they_were_written) {
     EXPECT_EQ(second->direction, Direction::out);
     EXPECT_EQ(second->channel, FrameRecord::no_channel);
     EXPECT_TRUE(rest.empty());
-    EXPECT_FALSE(take_record(rest));
+    EXPECT_FALSE(next_record(rest));
 }
 
 TEST(FrameRecord, reports_that_the_source_belongs_to_another_link) {
@@ -54,13 +54,13 @@ TEST(FrameRecord, reports_that_the_source_belongs_to_another_link) {
         append(records, {7, 8, 3, direction, 0, 5, ano::FrameView{euler}, true});
         EXPECT_EQ(static_cast<std::uint8_t>(records[17]), 0x80 | static_cast<std::uint8_t>(direction));
         std::string_view rest = records;
-        const auto record = take_record(rest);
+        const auto record = next_record(rest);
         ASSERT_TRUE(record);
         EXPECT_TRUE(record->is_elsewhere);
         EXPECT_EQ(record->direction, direction);
         records[17] = static_cast<char>(0x83);
         rest = records;
-        EXPECT_FALSE(take_record(rest)) << "no direction";
+        EXPECT_FALSE(next_record(rest)) << "no direction";
     }
 }
 
@@ -69,17 +69,17 @@ TEST(FrameRecord, damaged_records_are_rejected) {
     append(records, record_of(euler));
     for (std::size_t size = 0; size < records.size(); ++size) {
         std::string_view cut = std::string_view{records}.substr(0, size);
-        EXPECT_FALSE(take_record(cut)) << size;
+        EXPECT_FALSE(next_record(cut)) << size;
         EXPECT_EQ(cut.size(), size);
     }
     std::string wrong = records;
     wrong[17] = 3;    // no direction
     std::string_view rest = wrong;
-    EXPECT_FALSE(take_record(rest));
+    EXPECT_FALSE(next_record(rest));
     wrong = records;
     wrong.back() ^= 1;
     rest = wrong;
-    EXPECT_FALSE(take_record(rest));
+    EXPECT_FALSE(next_record(rest));
 }
 
 TEST(FrameRecord, causes_are_the_counters_of_whole_frames_that_are_not_forwarded) {

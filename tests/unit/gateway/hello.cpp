@@ -33,9 +33,9 @@ TEST(Hello, is_first_sent_after_a_second_and_repeated_while_the_device_is_silent
     Hello hello{2s};
     hello.came_up(start);
     EXPECT_EQ(hello.due(never), start + 1s);
-    hello.said(start + 1s, never);
+    hello.sent(start + 1s, never);
     EXPECT_EQ(hello.due(never), start + 3s);
-    hello.said(start + 3s, never);
+    hello.sent(start + 3s, never);
     EXPECT_EQ(hello.due(never), start + 5s);
 }
 
@@ -45,13 +45,13 @@ TEST(Hello, treats_the_device_as_possibly_deaf_before_every_third_unanswered_one
     std::vector<bool> deaf;
     for (int i = 1; i <= 7; ++i) {
         deaf.push_back(hello.may_be_deaf(never));
-        hello.said(start + i * 2s, never);
+        hello.sent(start + i * 2s, never);
     }
     EXPECT_EQ(deaf, (std::vector<bool>{false, false, true, false, false, true, false}));
     EXPECT_FALSE(hello.may_be_deaf(start + 15s)) << "it was heard";
-    hello.said(start + 17s, start + 15s);
+    hello.sent(start + 17s, start + 15s);
     EXPECT_FALSE(hello.may_be_deaf(start + 15s));
-    hello.said(start + 19s, start + 15s);
+    hello.sent(start + 19s, start + 15s);
     EXPECT_TRUE(hello.may_be_deaf(start + 15s));
 }
 
@@ -60,7 +60,7 @@ TEST(Hello, is_postponed_by_every_received_frame) {
     hello.came_up(start);
     EXPECT_EQ(hello.due(start + 900ms), start + 1900ms);
     EXPECT_EQ(hello.due(start + 1800ms), start + 2800ms);
-    hello.said(start + 2800ms, never);
+    hello.sent(start + 2800ms, never);
     EXPECT_EQ(hello.due(start + 2850ms), start + 4800ms) << "an answer does not make it sooner than the interval";
     EXPECT_EQ(hello.due(start + 4500ms), start + 5500ms);
 }
@@ -68,7 +68,7 @@ TEST(Hello, is_postponed_by_every_received_frame) {
 TEST(Hello, starts_over_when_the_link_is_up_again) {
     Hello hello{10s};
     hello.came_up(start);
-    hello.said(start + 1s, never);
+    hello.sent(start + 1s, never);
     hello.went_down();
     hello.came_up(start + 2s);
     EXPECT_EQ(hello.due(start + 100ms), start + 3s) << "what was heard before counts for nothing, and neither does what was said";
@@ -88,7 +88,7 @@ TEST(Hello, pauses_for_a_minute_after_a_firmware_frame) {
 TEST(Hello, is_sent_at_most_once_a_second) {
     Hello hello{10ms};
     hello.came_up(start);
-    hello.said(start + 1s, never);
+    hello.sent(start + 1s, never);
     EXPECT_EQ(hello.due(never), start + 2s);
 }
 

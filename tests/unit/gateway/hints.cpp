@@ -137,7 +137,7 @@ TEST(Hint, two_hints_for_one_conflict_never_contradict_each_other) {
         if (other == 3) link.nobody = std::uint8_t{0};
         if (other == 4) link.hidden = 5;
         if (other == 5) link.contradictory = 0xDC;
-        if (other == 6) link.untaken_for = std::chrono::seconds{9};
+        if (other == 6) link.undelivered_for = std::chrono::seconds{9};
         return link;
     };
     for (const SharedSource shared :
@@ -168,9 +168,9 @@ TEST(Hint, names_a_device_whose_address_is_also_a_port_id) {
 
 TEST(Hint, telemetry_without_a_receiver_is_reported_after_3_seconds) {
     LinkFigures link = line_that_sent(1000);
-    link.untaken_for = std::chrono::milliseconds{2999};
+    link.undelivered_for = std::chrono::milliseconds{2999};
     EXPECT_EQ(hint(link), "");
-    link.untaken_for = std::chrono::seconds{3};
+    link.undelivered_for = std::chrono::seconds{3};
     EXPECT_EQ(hint(link),
               "no ground station is registered for this telemetry yet (anoctl and the page see it anyway); have it send a frame, "
               "or add --route 0xFE=LINK");
@@ -180,7 +180,7 @@ TEST(Hint, names_the_link_that_is_down_where_hosts_were_last_seen) {
     LinkFigures link = line_that_sent(1000);
     link.hosts_link = "radio";
     EXPECT_EQ(hint(link), "") << "it has a taker";
-    link.untaken_for = std::chrono::seconds{3};
+    link.undelivered_for = std::chrono::seconds{3};
     const Hint found = find_hint(link);
     EXPECT_EQ(found.text, "ground stations were last seen on radio, which is down: restore that link, or add --route 0xFE=LINK");
     EXPECT_EQ(found.id, "hosts_link_down");
@@ -221,7 +221,7 @@ TEST(Hint, a_silent_link_that_sends_nothing_gets_the_advice_to_use_hello) {
         link.up = true;
         link.up_for = 3s;
         EXPECT_FALSE(ends_with_it(link)) << "it says hello";
-        link.waits_to_hear = true;
+        link.could_send_hello = true;
         EXPECT_TRUE(ends_with_it(link)) << hint(link);
         EXPECT_EQ(hint(link), hint_of_trouble(link));
         link.for_hosts = true;
@@ -239,7 +239,7 @@ TEST(Hint, a_silent_link_that_sends_nothing_gets_the_advice_to_use_hello) {
     }
     LinkFigures program{};
     program.words = anogate::find_link_kind("pty")->hints;
-    program.up = program.waits_to_hear = true;
+    program.up = program.could_send_hello = true;
     program.silent_for = 12s;
     EXPECT_EQ(hint(program), "silent for 12 s") << "no device";
 }
@@ -247,7 +247,7 @@ TEST(Hint, a_silent_link_that_sends_nothing_gets_the_advice_to_use_hello) {
 TEST(Hint, bytes_without_frames_after_valid_frames_are_not_reported_as_silence) {
     using namespace std::chrono_literals;
     LinkFigures link = line_that_sent(1000);
-    link.waits_to_hear = true;
+    link.could_send_hello = true;
     link.silent_for = 12s;
     link.bytes_ago = 20ms;
     link.skipped_since = 64;
@@ -308,7 +308,7 @@ TEST(Hint, has_an_id_and_the_values_in_its_text) {
     using namespace std::chrono_literals;
     EXPECT_EQ(find_hint(line_that_sent(1000)).id, "") << "nothing to say";
     LinkFigures link = line_that_sent(1000);
-    link.waits_to_hear = true;
+    link.could_send_hello = true;
     link.silent_for = 12s;
     link.received.frames_in = 19;
     const Hint silent = find_hint(link);

@@ -16,7 +16,7 @@ constexpr std::uint8_t host = 0xFE, fc = 0xDC, everybody = 0xFF;
 constexpr ChannelId one{1}, other{2};
 
 Bytes ask(std::uint8_t id, const Bytes& data, std::uint8_t to = fc) { return support::frame(host, to, id, data); }
-Bytes say(std::uint8_t id, const Bytes& data, std::uint8_t from = fc) { return support::frame(from, host, id, data); }
+Bytes reply(std::uint8_t id, const Bytes& data, std::uint8_t from = fc) { return support::frame(from, host, id, data); }
 
 struct Exchange {
     Bytes question;
@@ -24,14 +24,14 @@ struct Exchange {
     Bytes of_another;    // with the same id if there is one: it answers another question
 };
 const Exchange exchanges[] = {
-    {ask(0xE0, {0, 0, 0}), say(0xE3, {fc, 100, 0, 100, 0, 0, 0, 32, 3}), say(0xE0, {1, 40, 0})},
-    {ask(0xE0, {1, 0, 0}), say(0xE0, {1, 40, 0}), say(0xE0, {0x10, 0xAB, 0})},
-    {ask(0xE0, {2, 7, 1}), say(0xE1, {7, 1, 42}), say(0xE1, {7, 0, 42})},
-    {ask(0xE0, {3, 7, 1}), say(0xE2, {7, 1, 8, 'P'}), say(0xE2, {8, 1, 8, 'P'})},
-    {ask(0xC1, {0, 0, 0}), say(0xC1, {0, 12, 0}), say(0xC1, {1, 12, 0})},
-    {ask(0xC1, {1, 5, 0}), say(0xC2, {5, 0, 1, 2, 3}), say(0xC2, {6, 0, 1, 2, 3})},
-    {ask(0x60, {0xFF}), say(0x60, {9}), say(0x61, Bytes(22))},
-    {ask(0x60, {3}), say(0x61, {3, 0, 0}), say(0x61, {4, 0, 0})},
+    {ask(0xE0, {0, 0, 0}), reply(0xE3, {fc, 100, 0, 100, 0, 0, 0, 32, 3}), reply(0xE0, {1, 40, 0})},
+    {ask(0xE0, {1, 0, 0}), reply(0xE0, {1, 40, 0}), reply(0xE0, {0x10, 0xAB, 0})},
+    {ask(0xE0, {2, 7, 1}), reply(0xE1, {7, 1, 42}), reply(0xE1, {7, 0, 42})},
+    {ask(0xE0, {3, 7, 1}), reply(0xE2, {7, 1, 8, 'P'}), reply(0xE2, {8, 1, 8, 'P'})},
+    {ask(0xC1, {0, 0, 0}), reply(0xC1, {0, 12, 0}), reply(0xC1, {1, 12, 0})},
+    {ask(0xC1, {1, 5, 0}), reply(0xC2, {5, 0, 1, 2, 3}), reply(0xC2, {6, 0, 1, 2, 3})},
+    {ask(0x60, {0xFF}), reply(0x60, {9}), reply(0x61, Bytes(22))},
+    {ask(0x60, {3}), reply(0x61, {3, 0, 0}), reply(0x61, {4, 0, 0})},
 };
 
 ano::FrameView view(const Bytes& bytes) { return ano::FrameView{bytes}; }
@@ -69,14 +69,14 @@ TEST(Question, to_all_devices_may_be_answered_by_any_device_and_to_one_device_on
     const auto port = question_in(view(ask(0xE0, {0, 0, 0}, 5)));
     const auto single = question_in(view(ask(0xE0, {0, 0, 0})));
     ASSERT_TRUE(all && port && single);
-    const Bytes flow = say(0xE3, Bytes(9), 0xDE);
+    const Bytes flow = reply(0xE3, Bytes(9), 0xDE);
     EXPECT_TRUE(answers(view(flow), *all));
     EXPECT_TRUE(answers(view(flow), *port)) << "whatever is behind it";
     EXPECT_FALSE(answers(view(flow), *single));
 }
 
 Bytes value_of(std::uint8_t n) { return ask(0xE0, {2, n, 0}); }
-Bytes value(std::uint8_t n) { return say(0xE1, {n, 0, 1}); }
+Bytes value(std::uint8_t n) { return reply(0xE1, {n, 0, 1}); }
 
 struct Flight : testing::Test {
     void send(const Bytes& frame, ano::TimePoint now, ChannelId from = ourselves) {
@@ -96,19 +96,19 @@ TEST_F(Flight, at_most_eight_requests_are_open_until_one_is_answered) {
         send(value_of(n), start);
     }
     EXPECT_FALSE(has_room(start));
-    EXPECT_FALSE(flight.hear(view(value(8)))) << "nobody asked";
+    EXPECT_FALSE(flight.receive(view(value(8)))) << "nobody asked";
     EXPECT_FALSE(has_room(start));
-    EXPECT_TRUE(flight.hear(view(value(3))));
+    EXPECT_TRUE(flight.receive(view(value(3))));
     EXPECT_TRUE(has_room(start));
-    EXPECT_FALSE(flight.hear(view(value(3)))) << "once";
+    EXPECT_FALSE(flight.receive(view(value(3)))) << "once";
     EXPECT_EQ(flight.size(), 7u);
 }
 
 TEST_F(Flight, requests_expire_half_a_second_after_they_were_sent) {
     flight.queued(view(value_of(1)), ourselves);
-    EXPECT_EQ(flight.next_given_up(), std::nullopt) << "it waits in the outbox, maybe for long";
+    EXPECT_EQ(flight.next_expiry(), std::nullopt) << "it waits in the outbox, maybe for long";
     for (std::uint8_t n = 2; n < 9; ++n) send(value_of(n), start + 10ms * n);
-    EXPECT_EQ(flight.next_given_up(), start + 520ms);
+    EXPECT_EQ(flight.next_expiry(), start + 520ms);
     EXPECT_FALSE(has_room(start + 519ms));
     EXPECT_TRUE(has_room(start + 520ms));
     EXPECT_EQ(flight.size(), 7u);
@@ -119,13 +119,13 @@ TEST_F(Flight, requests_expire_half_a_second_after_they_were_sent) {
 TEST_F(Flight, an_answer_completes_the_older_of_two_equal_requests) {
     send(value_of(1), start);
     send(value_of(1), start + 100ms);
-    EXPECT_TRUE(flight.hear(view(value(1))));
-    EXPECT_EQ(flight.next_given_up(), start + 600ms);
+    EXPECT_TRUE(flight.receive(view(value(1))));
+    EXPECT_EQ(flight.next_expiry(), start + 600ms);
 }
 
 TEST_F(Flight, a_request_dropped_before_it_was_sent_needs_no_answer) {
     flight.queued(view(value_of(1)), ourselves);
-    EXPECT_FALSE(flight.hear(view(value(1)))) << "it was not asked yet";
+    EXPECT_FALSE(flight.receive(view(value(1)))) << "it was not asked yet";
     flight.dropped(view(value_of(1)));
     EXPECT_EQ(flight.size(), 0u);
     flight.left(view(value_of(1)), start);
@@ -148,23 +148,23 @@ TEST_F(Flight, one_request_is_reserved_for_the_gateway) {
     EXPECT_TRUE(flight.has_place(ourselves));
     send(value_of(7), start, ourselves);
     EXPECT_FALSE(flight.has_place(ourselves));
-    EXPECT_TRUE(flight.hear(view(value(0))));
+    EXPECT_TRUE(flight.receive(view(value(0))));
     EXPECT_TRUE(flight.has_place(other)) << "the gateway has its place";
 }
 
 TEST_F(Flight, the_oldest_request_of_a_sender_with_several_expires_after_a_tenth_of_a_second) {
     send(value_of(1), start, one);
     EXPECT_EQ(flight.next_early(), std::nullopt);
-    EXPECT_FALSE(flight.give_up_one(start + 499ms)) << "its only one";
+    EXPECT_FALSE(flight.expire_one(start + 499ms)) << "its only one";
     send(value_of(2), start + 50ms, other);
     send(value_of(3), start + 60ms, other);
     EXPECT_EQ(flight.next_early(), start + 150ms);
-    EXPECT_FALSE(flight.give_up_one(start + 149ms));
-    EXPECT_TRUE(flight.give_up_one(start + 150ms));
+    EXPECT_FALSE(flight.expire_one(start + 149ms));
+    EXPECT_TRUE(flight.expire_one(start + 150ms));
     EXPECT_EQ(flight.places(other), 1u);
     EXPECT_EQ(flight.places(one), 1u);
-    EXPECT_FALSE(flight.hear(view(value(2))));
-    EXPECT_FALSE(flight.give_up_one(start + 499ms));
+    EXPECT_FALSE(flight.receive(view(value(2))));
+    EXPECT_FALSE(flight.expire_one(start + 499ms));
 }
 
 TEST_F(Flight, a_request_sent_at_the_minimum_time_is_expired) {

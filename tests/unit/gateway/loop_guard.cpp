@@ -41,7 +41,7 @@ protected:
     }
     void ask_and_answer(unsigned out, unsigned back, TimePoint asked, TimePoint answered) {
         const Bytes probe = bytes_of(guard.ask(channel(out), asked));
-        EXPECT_FALSE(guard.take(ano::FrameView{probe}, channel(back), answered)) << "it goes no further";
+        EXPECT_FALSE(guard.accept_probe(ano::FrameView{probe}, channel(back), answered)) << "it goes no further";
     }
     bool is_known(unsigned n, TimePoint now) { return guard.loop(channel(n), now).has_value(); }
 
@@ -132,17 +132,17 @@ TEST_F(Guarded, a_loop_ends_when_its_probes_do_not_return_or_after_a_minute) {
 TEST_F(Guarded, old_and_forged_probes_are_ignored) {
     const Bytes old = bytes_of(guard.ask(channel(1), start));
     for (int i = 1; i <= 8; ++i) guard.ask(channel(1), start + i * 1s);
-    EXPECT_FALSE(guard.take(ano::FrameView{old}, channel(2), start + 9s));
+    EXPECT_FALSE(guard.accept_probe(ano::FrameView{old}, channel(2), start + 9s));
     EXPECT_FALSE(is_known(1, start + 9s));
     const Bytes asked = bytes_of(guard.ask(channel(1), start + 9s));
     auto data = Bytes(asked.begin() + 6, asked.end() - 2);
     data[16] = 3;    // of another channel
     const Bytes forged = support::frame(0xFE, 0xFF, probe_id, data);
-    EXPECT_FALSE(guard.take(ano::FrameView{forged}, channel(2), start + 9s));
+    EXPECT_FALSE(guard.accept_probe(ano::FrameView{forged}, channel(2), start + 9s));
     EXPECT_FALSE(is_known(1, start + 9s) || is_known(2, start + 9s));
     const Bytes first = bytes_of(guard.ask(channel(4), start));
     guard.ask(channel(4), start + 1s);
-    guard.take(ano::FrameView{first}, channel(5), start + 1500ms);
+    guard.accept_probe(ano::FrameView{first}, channel(5), start + 1500ms);
     EXPECT_TRUE(is_known(5, start + 2s)) << "though the next one has left";
 }
 
@@ -163,9 +163,9 @@ TEST_F(Guarded, a_probe_of_another_gateway_is_forwarded_once) {
     LoopGuard other{8};
     other.open(channel(0), link(0), 0, true, start);
     const Bytes probe = bytes_of(other.ask(channel(0), start));
-    EXPECT_TRUE(guard.take(ano::FrameView{probe}, channel(1), start));
-    EXPECT_FALSE(guard.take(ano::FrameView{probe}, channel(2), start + 1s));
-    EXPECT_TRUE(guard.take(ano::FrameView{bytes_of(other.ask(channel(0), start))}, channel(1), start));
+    EXPECT_TRUE(guard.accept_probe(ano::FrameView{probe}, channel(1), start));
+    EXPECT_FALSE(guard.accept_probe(ano::FrameView{probe}, channel(2), start + 1s));
+    EXPECT_TRUE(guard.accept_probe(ano::FrameView{bytes_of(other.ask(channel(0), start))}, channel(1), start));
 }
 
 TEST_F(Guarded, probes_are_sent_at_most_once_a_second_and_never_on_a_cable) {

@@ -334,7 +334,7 @@ TEST(Outbox, the_rest_of_an_urgent_frame_is_urgent) {
 TEST(Outbox, a_dropped_request_needs_no_answer) {
     InFlight questions;
     Outbox outbox = open_outbox(1000, 100);
-    outbox.tell(&questions);
+    outbox.set_in_flight(&questions);
     for (std::uint8_t n = 1; n <= 3; ++n) push(outbox, support::frame(0xFE, 0xDC, 0xE0, {2, n, 0}), command);
     EXPECT_EQ(questions.size(), 3u);
     outbox.drop_frame(&SendCounters::send_failed);
@@ -556,25 +556,25 @@ TEST(Outbox, a_sender_without_waiting_frames_is_served_before_those_with_waiting
 TEST(Outbox, only_stick_frames_overtake_others_of_a_sender_and_never_two_in_a_row) {
     Outbox outbox = open_outbox(1000, 100);
     const auto one = [](std::uint8_t id, std::uint8_t n) { return support::frame(0xFE, 0xDC, id, {n}); };
-    const auto say = [&](std::uint8_t id, std::uint8_t n) { push(outbox, one(id, n), policy_of(id), 1); };
-    say(0xE1, 1);
-    say(0xC0, 2);
-    say(0x40, 3);
-    say(0x41, 4);
-    say(0xE1, 5);
+    const auto push_frame = [&](std::uint8_t id, std::uint8_t n) { push(outbox, one(id, n), policy_of(id), 1); };
+    push_frame(0xE1, 1);
+    push_frame(0xC0, 2);
+    push_frame(0x40, 3);
+    push_frame(0x41, 4);
+    push_frame(0xE1, 5);
     EXPECT_EQ(gathered(outbox), joined({one(0x40, 3), one(0xE1, 1), one(0x41, 4), one(0xC0, 2), one(0xE1, 5)}));
 }
 
 TEST(Outbox, stick_frames_overtake_again_after_another_frame_was_sent) {
     Outbox outbox = open_outbox(1000, 100);
     const auto one = [](std::uint8_t id, std::uint8_t n) { return support::frame(0xFE, 0xDC, id, {n}); };
-    const auto say = [&](std::uint8_t id, std::uint8_t n) { push(outbox, one(id, n), policy_of(id), 1); };
-    say(0xE1, 1);
-    say(0xE1, 2);
-    say(0x40, 3);
+    const auto push_frame = [&](std::uint8_t id, std::uint8_t n) { push(outbox, one(id, n), policy_of(id), 1); };
+    push_frame(0xE1, 1);
+    push_frame(0xE1, 2);
+    push_frame(0x40, 3);
     outbox.sent_frame();    // the sticks
     outbox.sent_frame();
-    say(0x40, 4);
+    push_frame(0x40, 4);
     EXPECT_EQ(gathered(outbox), joined({one(0x40, 4), one(0xE1, 2)}));
 }
 

@@ -169,7 +169,7 @@ TEST(PeerBook, a_peer_is_accepted_until_the_quota_is_used_up) {
     Book book{60s, 2};
     book.join(a, phone, device, start);
     EXPECT_TRUE(book.place_for(laptop, start).free);
-    EXPECT_FALSE(book.place_for(laptop, start).gives_way);
+    EXPECT_FALSE(book.place_for(laptop, start).evicted);
     book.join(b, laptop, device, start);
     EXPECT_FALSE(book.place_for(phone_again, start).free);
 }
@@ -181,7 +181,7 @@ TEST(PeerBook, a_new_sender_displaces_only_a_silent_one_that_sent_once) {
     book.heard(b, host, start + 1s);
     book.join(c, laptop, host, start + 30s);
     EXPECT_FALSE(book.place_for(at("10.0.0.1:1"), start + 60s - 1ns).free);
-    EXPECT_EQ(book.place_for(at("10.0.0.1:2"), start + 60s).gives_way, a);
+    EXPECT_EQ(book.place_for(at("10.0.0.1:2"), start + 60s).evicted, a);
     book.remove(a);
     book.join(a, phone, device, start + 60s);
     EXPECT_FALSE(book.place_for(at("10.0.0.1:3"), start + 80s).free) << "one that listens came more than once, two spoke";
@@ -196,12 +196,12 @@ TEST(PeerBook, a_sender_that_returns_later_displaces_one_that_sent_once_of_an_ad
     const Endpoint stranger = at("10.0.0.1:1");
     EXPECT_FALSE(book.place_for(stranger, start + 2s).free);
     EXPECT_FALSE(book.place_for(stranger, start + 3s - 1ns).free);
-    EXPECT_EQ(book.place_for(stranger, start + 3s).gives_way, b);
+    EXPECT_EQ(book.place_for(stranger, start + 3s).evicted, b);
     EXPECT_FALSE(book.place_for(at("10.0.0.1:2"), start + 3s).free) << "another port is another stranger";
     book.heard(b, host, start + 3s);
     EXPECT_FALSE(book.place_for(stranger, start + 4s).free) << "those came more than once, and an address keeps its only place";
     book.heard(c, host, start + 5s);
-    EXPECT_EQ(book.place_for(stranger, start + 61s).gives_way, a) << "one that listens, when its place is needed";
+    EXPECT_EQ(book.place_for(stranger, start + 61s).evicted, a) << "one that listens, when its place is needed";
 }
 
 TEST(PeerBook, a_stranger_that_returns_after_the_timeout_counts_as_new) {
@@ -211,7 +211,7 @@ TEST(PeerBook, a_stranger_that_returns_after_the_timeout_counts_as_new) {
     const Endpoint stranger = at("10.0.0.1:1");
     EXPECT_FALSE(book.place_for(stranger, start).free);
     EXPECT_FALSE(book.place_for(stranger, start + 61s).free);
-    EXPECT_EQ(book.place_for(stranger, start + 62s).gives_way, a);
+    EXPECT_EQ(book.place_for(stranger, start + 62s).evicted, a);
 }
 
 TEST(PeerBook, a_stranger_that_returns_within_the_timeout_counts_as_returning) {
@@ -221,7 +221,7 @@ TEST(PeerBook, a_stranger_that_returns_within_the_timeout_counts_as_returning) {
     const Endpoint stranger = at("10.0.0.1:1");
     EXPECT_FALSE(book.place_for(stranger, start + 10s).free);
     EXPECT_FALSE(book.place_for(stranger, start + 40s).free);
-    EXPECT_EQ(book.place_for(stranger, start + 70s).gives_way, a);
+    EXPECT_EQ(book.place_for(stranger, start + 70s).evicted, a);
 }
 
 TEST(PeerBook, an_address_that_tries_many_ports_does_not_displace_the_attempts_of_others) {
@@ -231,7 +231,7 @@ TEST(PeerBook, an_address_that_tries_many_ports_does_not_displace_the_attempts_o
     const TimePoint silent = start + 62s;
     EXPECT_FALSE(book.place_for(laptop, silent).free);
     for (std::uint16_t port = 1; port <= 100; ++port) book.place_for({IpAddress::v4(10, 0, 0, 1), port}, silent + port * 1ms);
-    EXPECT_EQ(book.place_for(laptop, silent + 1s).gives_way, a);
+    EXPECT_EQ(book.place_for(laptop, silent + 1s).evicted, a);
 }
 
 TEST(PeerBook, an_address_has_a_limited_quota_and_replaces_only_peers_of_the_same_address) {
@@ -241,7 +241,7 @@ TEST(PeerBook, an_address_has_a_limited_quota_and_replaces_only_peers_of_the_sam
     EXPECT_FALSE(book.place_for(phone_anew, start + 1s).free);
     EXPECT_TRUE(book.place_for(laptop, start + 1s).free);
     book.join(c, laptop, host, start);
-    EXPECT_EQ(book.place_for(phone_anew, start + 2s).gives_way, a) << "one of its own, when it comes again";
+    EXPECT_EQ(book.place_for(phone_anew, start + 2s).evicted, a) << "one of its own, when it comes again";
 }
 
 TEST(PeerBook, one_address_displaces_no_peer_of_another_however_many_ports_it_uses) {
@@ -253,8 +253,8 @@ TEST(PeerBook, one_address_displaces_no_peer_of_another_however_many_ports_it_us
         const Endpoint stranger{IpAddress::v4(192, 168, 1, 66), static_cast<std::uint16_t>(1000 + i)};
         const auto place = book.place_for(stranger, now);
         if (!place.free) continue;
-        ASSERT_NE(place.gives_way, a);
-        if (place.gives_way) book.remove(*place.gives_way), strangers.erase(*place.gives_way);
+        ASSERT_NE(place.evicted, a);
+        if (place.evicted) book.remove(*place.evicted), strangers.erase(*place.evicted);
         const ChannelId id = strangers.contains(b) ? c : b;
         book.join(id, stranger, host, now);
         strangers.insert(id);
@@ -268,9 +268,9 @@ TEST(PeerBook, programs_of_this_machine_displace_each_other_and_have_no_share) {
     EXPECT_TRUE(book.place_for(at("127.0.0.1:2"), start).free);
     book.join(b, at("127.0.0.1:2"), host, start + 1ms);
     book.join(c, laptop, host, start - 1s);
-    EXPECT_EQ(book.place_for(at("127.0.0.1:3"), start + 2ms).gives_way, a);
+    EXPECT_EQ(book.place_for(at("127.0.0.1:3"), start + 2ms).evicted, a);
     book.heard(a, host, start + 3ms);
-    EXPECT_EQ(book.place_for(at("[::1]:3"), start + 4ms).gives_way, b);
+    EXPECT_EQ(book.place_for(at("[::1]:3"), start + 4ms).evicted, b);
 }
 
 TEST(PeerBook, broadcast_multicast_and_unspecified_addresses_and_port_0_are_never_peers) {
@@ -292,8 +292,8 @@ TEST(PeerBook, the_state_of_a_peer_can_be_moved_to_another_book) {
         next.remember(id, book.memory(id));
     }
     EXPECT_EQ(next.overdue(start + 61s), ChannelSet{b}) << "it was heard at 1 s, and not when it was added";
-    EXPECT_TRUE(next.memory(a).is_host && next.memory(a).came_again);
-    EXPECT_FALSE(next.memory(b).is_host || next.memory(b).came_again);
+    EXPECT_TRUE(next.memory(a).is_host && next.memory(a).has_returned);
+    EXPECT_FALSE(next.memory(b).is_host || next.memory(b).has_returned);
     EXPECT_EQ(next.overdue(start + 2s + PeerBook::listener_stays), (ChannelSet{a} | ChannelSet{b}));
 }
 
@@ -354,11 +354,11 @@ TEST(PeerBook, quota_is_reserved_for_hosts_that_command_and_for_trusted_ones) {
     EXPECT_FALSE(book.place_for(at("10.0.0.2:1"), start, commands).free) << "the last is kept for one of a trusted network";
     EXPECT_TRUE(book.place_for(at("10.0.0.3:1"), start, trusted).free);
     book.join_once(d, at("10.0.0.3:1"), host, start, trusted);
-    EXPECT_EQ(book.place_for(at("10.0.0.4:1"), start + 61s).gives_way, a) << "of its own rank";
+    EXPECT_EQ(book.place_for(at("10.0.0.4:1"), start + 61s).evicted, a) << "of its own rank";
     book.heard(a, host, start + 61s);
     book.heard(b, host, start + 61s);
     EXPECT_FALSE(book.place_for(at("10.0.0.5:1"), start + 61s).free) << "and of no higher one";
-    EXPECT_EQ(book.place_for(at("10.0.0.6:1"), start + 61s, commands).gives_way, c);
+    EXPECT_EQ(book.place_for(at("10.0.0.6:1"), start + 61s, commands).evicted, c);
 }
 
 TEST(PeerBook, a_peer_that_starts_to_command_uses_the_reserved_quota) {
@@ -378,17 +378,17 @@ TEST(PeerBook, the_latest_commanding_host_is_replaced_by_another_one) {
     book.join_once(c, at("10.0.0.1:1"), host, start + 2s, commands);
     const TimePoint now = start + 3s;
     for (const ChannelId id : {a, b, c}) book.heard(id, host, now);
-    EXPECT_EQ(book.place_for(at("10.0.0.2:1"), now, commands).gives_way, c);
+    EXPECT_EQ(book.place_for(at("10.0.0.2:1"), now, commands).evicted, c);
     EXPECT_FALSE(book.place_for(at("10.0.0.2:1"), now).free) << "not to one that only listens";
     book.remove(c);
     book.join_once(c, at("10.0.0.2:1"), host, now, commands);
     EXPECT_FALSE(book.place_for(at("10.0.0.1:1"), now + PeerBook::turn - 1us, commands).free) << "a flood costs little";
-    EXPECT_EQ(book.place_for(at("10.0.0.1:1"), now + PeerBook::turn, commands).gives_way, c);
+    EXPECT_EQ(book.place_for(at("10.0.0.1:1"), now + PeerBook::turn, commands).evicted, c);
     Book with_trusted{PeerBook::Options{60s, 2, 2, 1, 1}};
     with_trusted.join_once(a, phone, host, start, commands);
     with_trusted.join_once(b, laptop, host, start + 1s, trusted);
     with_trusted.heard(a, host, now);
-    EXPECT_EQ(with_trusted.place_for(at("10.0.0.2:1"), now, commands).gives_way, a) << "no trusted one";
+    EXPECT_EQ(with_trusted.place_for(at("10.0.0.2:1"), now, commands).evicted, a) << "no trusted one";
 }
 
 // 30 addresses, each five times a second, all simultaneously or one after the other.
@@ -403,8 +403,8 @@ TEST(PeerBook, commands_of_a_late_operator_get_through_among_many_commanding_hos
                 if (who[i] == from) return book.heard(ChannelId{static_cast<std::uint8_t>(i)}, host, now), true;
             const auto place = book.place_for(from, now, commands);
             if (!place.free) return false;
-            const std::size_t at = place.gives_way ? anogate::index(*place.gives_way) : places++;
-            if (place.gives_way) book.remove(*place.gives_way);
+            const std::size_t at = place.evicted ? anogate::index(*place.evicted) : places++;
+            if (place.evicted) book.remove(*place.evicted);
             who[at] = from;
             book.join_once(ChannelId{static_cast<std::uint8_t>(at)}, from, host, now, commands);
             return true;
@@ -425,10 +425,10 @@ TEST(PeerBook, on_this_machine_too_a_new_sender_does_not_displace_one_that_sent_
     const Endpoint local = at("127.0.0.1:1"), stranger = at("127.0.0.1:2");
     Book book{60s, 1};
     book.join(a, local, host, start);
-    EXPECT_EQ(book.place_for(at("127.0.0.1:3"), start).gives_way, a);
+    EXPECT_EQ(book.place_for(at("127.0.0.1:3"), start).evicted, a);
     book.heard(a, host, start + 1s);
     EXPECT_FALSE(book.place_for(stranger, start + 1s).free);
-    EXPECT_EQ(book.place_for(stranger, start + 2s).gives_way, a) << "it came again, too";
+    EXPECT_EQ(book.place_for(stranger, start + 2s).evicted, a) << "it came again, too";
 }
 
 }    // namespace

@@ -13,13 +13,13 @@ struct Acts : testing::Test {
     Route act(unsigned from, std::uint8_t destination, std::uint8_t source = host) {
         return net->route(channel(from), source, destination, net.now, ano::Intent::acts);
     }
-    void hear(unsigned from, std::uint8_t source) { net.route(from, source, 0xFF); }
+    void receive(unsigned from, std::uint8_t source) { net.route(from, source, 0xFF); }
     Net net;
 };
 
 TEST_F(Acts, for_an_unknown_address_are_not_sent_to_other_devices) {
-    hear(1, old);
-    hear(2, 0xDC);
+    receive(1, old);
+    receive(2, 0xDC);
     expect(act(0, unknown), channels({3}), Via::unknown);
     expect(net->find(link(0), unknown, net.now, ano::Intent::acts), channels({0, 3}), Via::unknown);
     expect(net->route(channel(0), host, unknown, net.now, ano::Intent::asks), channels({1, 2, 3}), Via::unknown);
@@ -28,8 +28,8 @@ TEST_F(Acts, for_an_unknown_address_are_not_sent_to_other_devices) {
 
 // A link is recreated with other settings: the homes of devices on it are restored for frames that act.
 TEST_F(Acts, are_sent_to_the_last_home_on_a_recreated_link) {
-    hear(1, old);
-    hear(2, 0xDC);
+    receive(1, old);
+    receive(2, 0xDC);
     const auto homes = net->last_homes(link(2));
     EXPECT_EQ(homes.count(), 1u);
     net->close(channel(2));
@@ -42,15 +42,15 @@ TEST_F(Acts, are_sent_to_the_last_home_on_a_recreated_link) {
     net->open(channel(2), remade);
     expect(act(0, 0xDC), channels({2}), Via::learned);
     expect(act(0, unknown), channels({3}), Via::unknown);    // its silent device receives no frames for others
-    hear(1, 0xDC);
+    receive(1, 0xDC);
     expect(act(0, 0xDC), channels({1}), Via::learned);
     expect(act(0, unknown), channels({1, 2, 3}), Via::unknown);
 }
 
 TEST_F(Acts, are_sent_to_the_only_channel_with_devices) {
-    hear(1, old);
+    receive(1, old);
     expect(act(0, unknown), channels({1, 2, 3}), Via::unknown);
-    hear(1, 0x02);
+    receive(1, 0x02);
     expect(act(0, unknown), channels({1, 2, 3}), Via::unknown);
     expect(act(3, unknown, 0x30), channels({0, 2}), Via::unknown);    // a device: its own channel has devices as well
 }
@@ -60,18 +60,18 @@ TEST_F(Acts, are_not_sent_to_other_devices_while_the_address_may_be_elsewhere) {
     net->close(channel(2));
     net->remove_link(link(2));
     const LinkId other = net->add_link({.may_have_devices = true});
-    hear(1, old);
+    receive(1, old);
     EXPECT_FALSE(act(0, unknown).channels.contains(channel(1))) << "it is down";
     net->open(channel(2), other);
     expect(act(0, unknown), channels({2, 3}), Via::unknown);
-    hear(2, host);
+    receive(2, host);
     expect(act(0, unknown), channels({1, 2, 3}), Via::unknown);
 }
 
 TEST_F(Acts, are_also_sent_to_channels_with_hosts) {
-    hear(1, old);
-    hear(2, 0xDC);
-    hear(2, host);
+    receive(1, old);
+    receive(2, 0xDC);
+    receive(2, host);
     expect(act(0, unknown), channels({2, 3}), Via::unknown);
     net->note_host(channel(1));
     expect(act(0, unknown), channels({1, 2, 3}), Via::unknown);
@@ -86,7 +86,7 @@ TEST_F(Acts, are_not_sent_to_the_only_link_if_its_device_acts_for_other_addresse
 
 // It answered for an address that is not its own.
 TEST_F(Acts, are_not_sent_to_the_only_link_once_its_device_is_known_to_act_for_other_addresses) {
-    hear(1, old);
+    receive(1, old);
     expect(act(0, unknown), channels({1, 2, 3}), Via::unknown);
     net->note_acts_for_others(link(1));
     expect(act(0, unknown), channels({2, 3}), Via::unknown);
@@ -114,9 +114,9 @@ TEST_F(Acts, the_peers_of_a_link_count_as_several_locations) {
 }
 
 TEST_F(Acts, for_an_expired_address_are_sent_where_it_was_last_seen) {
-    hear(1, old);
-    hear(2, 0xDC);
-    hear(3, unknown);
+    receive(1, old);
+    receive(2, 0xDC);
+    receive(3, unknown);
     net.now += 1h;
     expect(act(0, unknown), channels({3}), Via::learned);
     expect(net.route(0, host, unknown), channels({1, 2, 3}), Via::unknown);
@@ -126,16 +126,16 @@ TEST_F(Acts, for_an_expired_address_are_sent_where_it_was_last_seen) {
 }
 
 TEST_F(Acts, for_an_address_whose_channel_is_closed_are_sent_to_its_link) {
-    hear(1, old);
-    hear(2, 0xDC);
-    hear(3, unknown);
+    receive(1, old);
+    receive(2, 0xDC);
+    receive(3, unknown);
     net->close(channel(3));
     expect(act(0, unknown), {}, Via::learned, links({3}));
     net->open(channel(3), link(3));
     expect(act(0, unknown), channels({3}), Via::learned);
-    hear(3, 0x05);
+    receive(3, 0x05);
     expect(act(0, unknown), {}, Via::learned);
-    hear(3, unknown);
+    receive(3, unknown);
     expect(act(0, unknown), channels({3}), Via::learned);
     net->close(channel(3));
     net->remove_link(link(3));
@@ -156,59 +156,59 @@ TEST_F(Acts, follow_a_configured_rule_for_unknown_addresses) {
 }
 
 TEST_F(Acts, frames_for_hosts_not_seen_yet_are_not_sent_to_channels_with_devices_only) {
-    hear(0, 0xDC);
-    hear(1, old);
+    receive(0, 0xDC);
+    receive(1, old);
     for (const std::uint8_t to : {host, ano::address::ros_bridge}) expect(net.route(0, 0xDC, to), channels({2, 3}), Via::unknown);
-    hear(1, 0xD2);
+    receive(1, 0xD2);
     expect(net.route(0, 0xDC, host), channels({1, 2, 3}), Via::unknown);
     net->note_host(channel(0));
     expect(net.route(1, old, host), channels({0, 2, 3}), Via::unknown);
 }
 
 TEST_F(Acts, a_frame_for_a_host_that_is_down_is_not_sent_to_channels_with_devices_only) {
-    hear(0, 0xDC);
-    hear(1, old);
-    hear(2, host);
+    receive(0, 0xDC);
+    receive(1, old);
+    receive(2, host);
     net->went_down(channel(2));
     expect(net.route(0, 0xDC, host), channels({2, 3}), Via::unknown);
 }
 
 TEST_F(Acts, are_sent_to_the_channel_that_the_only_device_there_has_left) {
-    hear(1, old);
-    hear(2, 0xDC);
+    receive(1, old);
+    receive(2, 0xDC);
     net->went_down(channel(1));
-    hear(3, old);
+    receive(3, old);
     net->came_up(channel(1));
     expect(act(0, unknown), channels({1}), Via::unknown);
 }
 
 TEST_F(Acts, a_device_is_alone_if_its_channel_has_no_other_device_or_host) {
-    hear(1, old);
+    receive(1, old);
     EXPECT_TRUE(net->is_alone(old, channel(1)));
     EXPECT_FALSE(net->is_alone(old, channel(2)));
-    hear(1, 0x02);
+    receive(1, 0x02);
     EXPECT_FALSE(net->is_alone(old, channel(1)));
-    hear(2, 0xDC);
+    receive(2, 0xDC);
     net->note_host(channel(2));
     EXPECT_FALSE(net->is_alone(0xDC, channel(2)));
 }
 
 // A host and a device with the same address: one sends to the other.
 TEST_F(Acts, a_frame_with_equal_source_and_destination_is_sent_to_the_other_holder_of_the_address) {
-    hear(1, old);
+    receive(1, old);
     expect(act(0, old, old), channels({1}), Via::learned);
     EXPECT_EQ(net.asked().size(), 1u) << "the host claims the address";
-    hear(1, old);
+    receive(1, old);
     expect(net.route(1, old, old), channels({0}), Via::learned);
     net->close(channel(0));
     expect(net.route(1, old, old), channels({2, 3}), Via::unknown);
 }
 
 TEST_F(Acts, a_frame_with_equal_source_and_destination_has_an_unknown_target_if_only_the_host_was_seen) {
-    hear(2, 0xDC);
-    hear(3, 0xDD);
+    receive(2, 0xDC);
+    receive(3, 0xDD);
     expect(act(0, old, old), channels({1}), Via::unknown);
-    hear(1, old);
+    receive(1, old);
     expect(act(0, old, old), channels({1}), Via::learned);
     expect(net.route(1, old, old), channels({0}), Via::learned);
     net->pin(old, old, link(1));

@@ -28,31 +28,31 @@ TEST(Router, device_that_moved_is_followed_after_three_seconds_of_silence) {
 TEST(Router, reports_a_move_to_another_link_and_stores_the_previous_link) {
     Net net;
     net.route(1, 0xDC, 0xFF);
-    EXPECT_FALSE(net->take_move());
+    EXPECT_FALSE(net->pop_move());
     net.route(2, 0xDC, 0xFF);
-    EXPECT_FALSE(net->take_move()) << "it is tested yet";
+    EXPECT_FALSE(net->pop_move()) << "it is tested yet";
     net.silence();
-    auto moved = net->take_move();
+    auto moved = net->pop_move();
     ASSERT_TRUE(moved);
     EXPECT_EQ(moved->address, 0xDC);
     EXPECT_EQ(moved->from, links({1}));
     EXPECT_EQ(moved->to, link(2));
-    EXPECT_FALSE(net->take_move());
+    EXPECT_FALSE(net->pop_move());
     EXPECT_EQ(net->moved_from(0xDC), links({1}));
     net.now += 10s;
     net.route(1, 0xDC, 0xFF);    // it has returned
-    moved = net->take_move();
+    moved = net->pop_move();
     ASSERT_TRUE(moved);
     EXPECT_EQ(moved->to, link(1));
     EXPECT_EQ(net->moved_from(0xDC), LinkSet{});
     net->close(channel(1));
     net.route(3, 0xDC, 0xFF);
-    moved = net->take_move();
+    moved = net->pop_move();
     ASSERT_TRUE(moved) << "its wire was gone";
     EXPECT_EQ(moved->from, links({1}));
     net->went_down(channel(3));
     net.route(2, 0xDC, 0xFF);
-    EXPECT_TRUE(net->take_move()) << "another wire was pulled";
+    EXPECT_TRUE(net->pop_move()) << "another wire was pulled";
     EXPECT_EQ(net->moved_from(0xDC), links({1}));
 }
 
@@ -86,10 +86,10 @@ TEST(Router, rejects_a_claim_on_any_frame_from_the_old_channel) {
         EXPECT_EQ(net->conflicts(net.now)[0].count, 1u);
         EXPECT_TRUE(net->conflicts(net.now)[0].claimed);
         Router::Claimant claimant;
-        ASSERT_TRUE(net->take_claimant(claimant));
+        ASSERT_TRUE(net->pop_claimant(claimant));
         EXPECT_EQ(claimant.address, 0xDC);
         EXPECT_EQ(claimant.channel, channel(2));
-        EXPECT_FALSE(net->take_claimant(claimant));
+        EXPECT_FALSE(net->pop_claimant(claimant));
         net.now += 20s;
         expect(net.route(0, 0xFE, 0xDC), channels({1}), Via::learned);
     }
@@ -177,7 +177,7 @@ TEST(Router, a_frame_that_the_loop_guard_drops_also_returns_an_address_to_its_ho
     EXPECT_TRUE(net->heard_again(channel(1), 0xDC, net.now));
     EXPECT_TRUE(net->holds(0xDC, channel(1)));
     Router::Claimant claimant;
-    ASSERT_TRUE(net->take_claimant(claimant));
+    ASSERT_TRUE(net->pop_claimant(claimant));
     EXPECT_EQ(claimant.channel, channel(2));
 }
 
@@ -291,7 +291,7 @@ TEST(Router, a_pinned_address_stays_with_its_channel_while_that_sends) {
     ASSERT_EQ(net->conflicts(net.now).size(), 1u);
     EXPECT_EQ(net->conflicts(net.now)[0].links, links({1}));
     Router::Claimant claimant;
-    ASSERT_TRUE(net->take_claimant(claimant));
+    ASSERT_TRUE(net->pop_claimant(claimant));
     EXPECT_EQ(claimant.channel, channel(11));
     expect(net.route(0, 0xFE, 30), channels({10}), Via::pinned);
 }
@@ -304,7 +304,7 @@ TEST(Router, a_pinned_address_moves_within_its_link_if_its_channel_is_silent_and
     expect(net.route(0, 0xFE, 30), channels({11}), Via::pinned);
     EXPECT_TRUE(net->claims(30, channel(1)) && !net->claims(30, channel(10))) << "it was there first";
     EXPECT_TRUE(net->conflicts(net.now).empty());
-    EXPECT_FALSE(net->take_move()) << "it is on the same link";
+    EXPECT_FALSE(net->pop_move()) << "it is on the same link";
     net.now += 10s;
     net.route(10, 30, 0xFF);
     expect(net.route(0, 0xFE, 30), channels({10}), Via::pinned);
@@ -357,7 +357,7 @@ TEST(Router, a_running_claim_test_ends_when_the_address_is_pinned) {
     net.silence();
     expect(net.route(0, 0xFE, 30), channels({1}), Via::pinned);
     EXPECT_TRUE(net->claims(30, channel(3)));
-    EXPECT_FALSE(net->take_move());
+    EXPECT_FALSE(net->pop_move());
 }
 
 TEST(Router, pinned_host_is_reached_by_every_channel_of_its_link) {

@@ -21,17 +21,17 @@ TEST(Router, a_source_on_two_links_is_a_conflict_while_both_send) {
     ASSERT_EQ(found.size(), 1u);
     EXPECT_EQ(found[0].address, 0xDE);
     EXPECT_EQ(found[0].links, links({1, 2}));
-    ASSERT_TRUE(net->take_new_conflict(conflict));
+    ASSERT_TRUE(net->pop_new_conflict(conflict));
     EXPECT_EQ(conflict.address, 0xDE);
     const auto end = net.now + 60s;
     while (net.now < end) both(1, 2);
     net.route(1, 0xDE, 0xFF);
-    EXPECT_FALSE(net->take_new_conflict(conflict)) << "told once";
+    EXPECT_FALSE(net->pop_new_conflict(conflict)) << "told once";
     net.now += 30s;
     EXPECT_TRUE(net->conflicts(net.now).empty());
     both(1, 3);
     net.route(1, 0xDE, 0xFF);
-    ASSERT_TRUE(net->take_new_conflict(conflict)) << "a new one is told again";
+    ASSERT_TRUE(net->pop_new_conflict(conflict)) << "a new one is told again";
     EXPECT_EQ(conflict.links, links({1, 3}));
 }
 
@@ -54,7 +54,7 @@ TEST(Router, reports_every_new_conflict) {
         for (const unsigned from : {1u, 2u, 1u}) net.route(from, source, 0xFF);
     Conflict conflict;
     std::vector<int> told;
-    while (net->take_new_conflict(conflict)) told.push_back(conflict.address);
+    while (net->pop_new_conflict(conflict)) told.push_back(conflict.address);
     EXPECT_EQ(told, (std::vector<int>{0x20, 0xDD, 0xDE}));
 }
 
@@ -63,9 +63,9 @@ TEST(Router, also_reports_the_second_of_two_new_conflicts) {
     net->note_conflict(0xDC, links({0, 1}), std::nullopt, net.now);
     net->note_conflict(0xDD, links({0, 1}), std::nullopt, net.now);
     Conflict conflict;
-    ASSERT_TRUE(net->take_new_conflict(conflict));
+    ASSERT_TRUE(net->pop_new_conflict(conflict));
     EXPECT_TRUE(net.route(2, 0x10, 0xFF).new_conflict);
-    ASSERT_TRUE(net->take_new_conflict(conflict));
+    ASSERT_TRUE(net->pop_new_conflict(conflict));
     EXPECT_EQ(conflict.address, 0xDD);
     EXPECT_FALSE(net.route(2, 0x10, 0xFF).new_conflict);
 }
@@ -90,9 +90,9 @@ TEST(Router, a_conflict_ends_with_one_of_its_two_links) {
     ASSERT_EQ(net->conflicts(net.now).size(), 1u);
     EXPECT_EQ(net->conflicts(net.now)[0].links, links({1, 3}));
     Conflict conflict;
-    ASSERT_TRUE(net->take_new_conflict(conflict));
+    ASSERT_TRUE(net->pop_new_conflict(conflict));
     EXPECT_EQ(conflict.address, 0xDD);
-    EXPECT_FALSE(net->take_new_conflict(conflict)) << "of the others nothing is told";
+    EXPECT_FALSE(net->pop_new_conflict(conflict)) << "of the others nothing is told";
 }
 
 }    // namespace

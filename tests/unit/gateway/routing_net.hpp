@@ -36,7 +36,7 @@ struct Net {
     /// The addresses that are asked now, and on which channels.
     std::vector<std::pair<int, ChannelSet>> asked() {
         std::vector<std::pair<int, ChannelSet>> all;
-        while (const auto question = router->take_question(now)) all.emplace_back(question->address, question->channels);
+        while (const auto question = router->pop_question(now)) all.emplace_back(question->address, question->channels);
         return all;
     }
     /// All pending claims end without an answer.

@@ -361,7 +361,7 @@ struct Wrapping : testing::Test {
         return r;
     }
     std::vector<Bytes> sent;
-    Tunnel::Take send = [this](ano::FrameView f) { sent.push_back(bytes_of(f)); };
+    Tunnel::OnFrame send = [this](ano::FrameView f) { sent.push_back(bytes_of(f)); };
     Endpoint sender{ip("192.168.0.20"), 6670};
 
     void wrap(Tunnel& tunnel, std::initializer_list<Bytes> frames, std::size_t max_data = 4096) {
@@ -467,7 +467,7 @@ TEST_F(Wrapping, and_unwrapping_allocate_no_memory) {
     Tunnel tunnel = site.tunnel();
     const Bytes out = b1("192.168.0.20", 0, euler + command), from_outside = b1("192.168.0.5", 0, euler + command);
     std::size_t taken = 0;
-    const Tunnel::Take count = [&](ano::FrameView) { ++taken; };
+    const Tunnel::OnFrame count = [&](ano::FrameView) { ++taken; };
     const auto before = support::allocations;
     for (int i = 0; i < 100; ++i) {
         (void)tunnel.out(view(out), all);

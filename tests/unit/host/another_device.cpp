@@ -36,7 +36,7 @@ struct Swapped : testing::Test {
     std::uint8_t at_id = 0xE1;
     std::size_t after = 2, seen = 0;
     bool is_swapped = false, is_one = true;
-    TimePoint hears_from{};
+    TimePoint receives_from{};
     std::vector<Bytes> acted;    // frames that acted on the other device
     std::function<std::optional<std::vector<Bytes>>(FrameView)> before;
 
@@ -48,7 +48,7 @@ struct Swapped : testing::Test {
                 swap();
                 return std::vector<Bytes>{};
             }
-            if (is_swapped && simulation.now < hears_from) return std::vector<Bytes>{};
+            if (is_swapped && simulation.now < receives_from) return std::vector<Bytes>{};
             if (is_swapped && intent_of(frame) == Intent::acts) acted.emplace_back(frame.bytes().begin(), frame.bytes().end());
             return before ? before(frame) : std::nullopt;
         };
@@ -65,7 +65,7 @@ struct Swapped : testing::Test {
     }
     void swap() {
         is_swapped = true;
-        hears_from = simulation.now + other.silent;
+        receives_from = simulation.now + other.silent;
         if (other.has_other_info) fake.name = "OTHER", fake.hardware = 200;
         if (other.has_more) fake.parameters.push_back(fake.parameters.back());
         for (auto& parameter : fake.parameters)

@@ -72,24 +72,25 @@ struct Calibrates : testing::Test {
             (void)m.set<"acc_x">(acc[0] + i % 3);
             (void)m.set<"acc_y">(acc[1] - i % 3);
             (void)m.set<"acc_z">(acc[2] + i % 2);
-            hear(task, m);
+            receive(task, m);
         }
     }
     // Samples count only after the time in which samples from before can arrive.
     template <class Message>
-    void hear(Calibration& task, const Message& message) {
+    void receive(Calibration& task, const Message& message) {
         const bool measures = task.step() == Calibration::Step::turn || task.step() == Calibration::Step::verify;
         if (std::exchange(step, task.step()) != task.step() && measures)
-            for (const TimePoint end = simulation.now + Calibration::most_late; simulation.now < end;) hear_once(task, message);
-        hear_once(task, message);
+            for (const TimePoint end = simulation.now + Calibration::most_late; simulation.now < end;)
+                receive_once(task, message);
+        receive_once(task, message);
     }
     template <class Message>
-    void hear_once(Calibration& task, const Message& message) {
+    void receive_once(Calibration& task, const Message& message) {
         std::array<std::uint8_t, 64> bytes{};
         const std::size_t size = message.encode(bytes, 0xDC, 0xFF);
         simulation.pass(pace);
         device.take(FrameView{std::span{bytes}.first(size)}, simulation.now);
-        task.hear(FrameView{std::span{bytes}.first(size)}, simulation.now);
+        task.receive(FrameView{std::span{bytes}.first(size)}, simulation.now);
     }
     // The device is turned to all sides and its new values are stored; it lies on the last face, and uses them.
     void turn(Calibration& task) {
@@ -98,7 +99,7 @@ struct Calibrates : testing::Test {
         if (task.step() != Calibration::Step::verify) return;
         Draft<"inertial"> m;
         (void)m.set<"acc_z">(-981);
-        for (int i = 0; i < 120; ++i) hear(task, m);
+        for (int i = 0; i < 120; ++i) receive(task, m);
         simulation.run(task);
     }
 };
@@ -118,7 +119,7 @@ TEST_F(Calibrates, an_accelerometer) {
     EXPECT_EQ(task.face_to_verify(), Face::z_minus);
     Draft<"inertial"> m;
     (void)m.set<"acc_z">(-981);
-    for (int i = 0; i < 120; ++i) hear(task, m);
+    for (int i = 0; i < 120; ++i) receive(task, m);
     simulation.run(task);
     ASSERT_TRUE(task.end());
     EXPECT_EQ(task.end()->ending, Ending::done) << task.end()->what;
@@ -142,7 +143,7 @@ TEST_F(Calibrates, without_samples_that_may_be_older_than_the_clear_or_the_store
     const auto lies_for = [&](ano::Duration time, int z) {
         Draft<"inertial"> m;
         (void)m.set<"acc_z">(static_cast<std::int16_t>(z));
-        for (const TimePoint end = simulation.now + time; simulation.now < end;) hear(task, m);
+        for (const TimePoint end = simulation.now + time; simulation.now < end;) receive(task, m);
     };
     lies_for(2900ms, 981);
     EXPECT_EQ(task.progress().done, 0u);
@@ -166,7 +167,7 @@ TEST_F(Calibrates, a_compass) {
         (void)m.set<"mag_x">(std::round(500 * std::sqrt(1 - z * z) * std::cos(around) + 100));
         (void)m.set<"mag_y">(std::round(400 * std::sqrt(1 - z * z) * std::sin(around) - 50));
         (void)m.set<"mag_z">(std::round(450 * z));
-        hear(task, m);
+        receive(task, m);
     }
     simulation.run(task);
     ASSERT_EQ(task.step(), Calibration::Step::verify);
@@ -174,7 +175,7 @@ TEST_F(Calibrates, a_compass) {
         (void)m.set<"mag_x">(std::round(448 * std::cos(i * 0.5)));
         (void)m.set<"mag_y">(std::round(448 * std::sin(i * 0.5)));
         (void)m.set<"mag_z">(0);
-        hear(task, m);
+        receive(task, m);
     }
     simulation.run(task);
     ASSERT_TRUE(task.end());
@@ -193,7 +194,7 @@ TEST_F(Calibrates, a_compass_again_when_the_device_restarts_directly_after_the_c
     simulation.pass(700ms);
     Draft<"compass"> m;
     (void)m.set<"mag_x">(500);
-    for (int i = 0; i < 3; ++i) hear(task, m);
+    for (int i = 0; i < 3; ++i) receive(task, m);
     EXPECT_EQ(task.restarts(), 1u);
     simulation.run(task);
     EXPECT_EQ(task.step(), Calibration::Step::turn);
@@ -210,7 +211,7 @@ TEST_F(Calibrates, a_compass_again_when_its_samples_were_corrected_already) {
         (void)m.set<"mag_x">(std::round(500 * std::sqrt(1 - z * z) * std::cos(around)));
         (void)m.set<"mag_y">(std::round(500 * std::sqrt(1 - z * z) * std::sin(around)));
         (void)m.set<"mag_z">(std::round(500 * z));
-        hear(task, m);
+        receive(task, m);
     }
     simulation.run(task);
     EXPECT_EQ(task.step(), Calibration::Step::turn);
@@ -224,7 +225,7 @@ struct HidesTheClear : Calibrates {
     static constexpr CompassCalibration right{{110, -70, 55}, {1.02, 0.97, 1}};
 
     // A sample of direction `i`; the device has corrected it by `used`.
-    void hear_field(Calibration& task, int i, const CompassCalibration& used) {
+    void receive_field(Calibration& task, int i, const CompassCalibration& used) {
         const double z = 2 * (i % 100 + 0.5) / 100 - 1, around = i * 2.4;
         const Vector v = used.corrected(right.raw_of(
             {500 * std::sqrt(1 - z * z) * std::cos(around), 500 * std::sqrt(1 - z * z) * std::sin(around), 500 * z}));
@@ -232,7 +233,7 @@ struct HidesTheClear : Calibrates {
         (void)m.set<"mag_x">(std::round(v[0]));
         (void)m.set<"mag_y">(std::round(v[1]));
         (void)m.set<"mag_z">(std::round(v[2]));
-        hear(task, m);
+        receive(task, m);
     }
     CompassCalibration in_use() const {
         std::array<float, 6> values{};
@@ -252,7 +253,7 @@ struct HidesTheClear : Calibrates {
             task.look(simulation.now);
             const bool turns = task.step() == Calibration::Step::turn;
             if (task.step() == Calibration::Step::confirm || task.step() == Calibration::Step::write) simulation.run(task);
-            hear_field(task, i, !turns ? in_use() : i < raw_ones ? CompassCalibration{} : old_one);
+            receive_field(task, i, !turns ? in_use() : i < raw_ones ? CompassCalibration{} : old_one);
         }
         simulation.run(task);
         ASSERT_TRUE(task.end());
@@ -298,7 +299,7 @@ TEST_P(CalibratesSlowly, a_compass_and_reports_within_five_seconds_that_it_was_l
         (void)m.set<"mag_x">(std::round(500 * std::sqrt(1 - z * z) * std::cos(around) + 100));
         (void)m.set<"mag_y">(std::round(400 * std::sqrt(1 - z * z) * std::sin(around) - 50));
         (void)m.set<"mag_z">(std::round(450 * z));
-        hear(task, m);
+        receive(task, m);
     }
     ASSERT_EQ(task.step(), Calibration::Step::confirm);
     fake.deaf = true;

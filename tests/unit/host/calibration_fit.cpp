@@ -40,8 +40,8 @@ Vector gravity_on(std::size_t face) {
 void lie(SixFaces& faces, const Vector& raw, support::Random& random, int samples = 100, double shaking = 4,
          double turning = 0.5) {
     for (int i = 0; i < samples; ++i)
-        faces.take({raw[0] + noise(random, shaking), raw[1] + noise(random, shaking), raw[2] + noise(random, shaking)},
-                   {noise(random, turning) + 3, noise(random, turning), noise(random, turning)});
+        faces.add({raw[0] + noise(random, shaking), raw[1] + noise(random, shaking), raw[2] + noise(random, shaking)},
+                  {noise(random, turning) + 3, noise(random, turning), noise(random, turning)});
 }
 
 TEST(LeastSquares, finds_the_best_fit_and_nothing_for_an_underdetermined_problem) {
@@ -99,14 +99,14 @@ TEST(SixFaces, do_not_count_samples_while_the_device_settles_or_tilts) {
     SixFaces smooth;
     int n = 0;
     for (; n < 3000 && !smooth.is_enough(Face::z_plus); ++n)
-        smooth.take({0, 0, SixFaces::gravity * (1 - 2 * std::exp(-n * 0.02)) + (n % 3 - 1)}, {});
+        smooth.add({0, 0, SixFaces::gravity * (1 - 2 * std::exp(-n * 0.02)) + (n % 3 - 1)}, {});
     ASSERT_TRUE(smooth.is_enough(Face::z_plus));
     EXPECT_NEAR(smooth.mean(Face::z_plus)[2], SixFaces::gravity, 4);
     EXPECT_LT(n, 600) << "samples";
     SixFaces tilted;
     for (n = 0; n < 600; ++n) {
         const double angle = n * 0.02 * std::numbers::pi / 180;
-        tilted.take({SixFaces::gravity * std::sin(angle), 0, SixFaces::gravity * std::cos(angle)}, {});
+        tilted.add({SixFaces::gravity * std::sin(angle), 0, SixFaces::gravity * std::cos(angle)}, {});
     }
     EXPECT_FALSE(tilted.is_enough(Face::z_plus));
 }
@@ -135,7 +135,7 @@ TEST(SixFaces, that_are_no_better_than_before_are_rejected) {
         for (int i = 0; i < 100; ++i) {
             Vector raw = raw_of(skewed, gravity_on(face));
             raw[0] += i % 2 == 1 ? 8 + noise(random, 1) : noise(random, 1);
-            faces.take(raw, {});
+            faces.add(raw, {});
         }
     }
     const auto fit = faces.fit(skewed);
@@ -236,7 +236,7 @@ void turn(CompassSphere& sphere, double most_noise, double top = 1, double field
         Vector raw{};
         for (std::size_t i = 0; i < 3; ++i)
             raw[i] = field * d[i] / iron.sensitivity[i] + iron.offset[i] + noise(random, most_noise);
-        sphere.take(raw);
+        sphere.add(raw);
     }
 }
 
@@ -269,14 +269,14 @@ TEST(CompassSphere, stores_a_limited_number_of_samples_of_one_direction) {
     CompassSphere sphere;
     turn(sphere, 1);
     const std::size_t before = sphere.samples();
-    for (int i = 0; i < 100'000; ++i) sphere.take({400, 0, 0});
+    for (int i = 0; i < 100'000; ++i) sphere.add({400, 0, 0});
     EXPECT_LE(sphere.samples(), before + CompassSphere::max_in_cell);
 }
 
 TEST(CompassSphere, rejects_noise) {
     CompassSphere sphere;
     support::Random random{1};
-    for (int i = 0; i < 5000; ++i) sphere.take({noise(random, 400), noise(random, 400), noise(random, 400)});
+    for (int i = 0; i < 5000; ++i) sphere.add({noise(random, 400), noise(random, 400), noise(random, 400)});
     ASSERT_TRUE(sphere.is_complete());
     EXPECT_FALSE(sphere.fit({}).calibration);
 }

@@ -380,7 +380,7 @@ TEST(CalibrationRestarts, a_device_that_sends_no_samples_is_reported) {
         bench.now += 100ms;
         const auto mode = support::frame(0xDC, 0xFF, 0x06, {1, 0, 0, 0, 0});
         bench.device.take(FrameView{mode}, bench.now);
-        bench.task.hear(FrameView{mode}, bench.now);
+        bench.task.receive(FrameView{mode}, bench.now);
         while (const auto asked = bench.device.next_frame(bench.now))
             for (const auto& answer : bench.fake.take(*asked)) bench.device.take(FrameView{answer}, bench.now);
         bench.task.look(bench.now);

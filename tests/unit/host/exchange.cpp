@@ -178,13 +178,13 @@ TEST(Window, opens_again_when_answers_that_were_counted_as_lost_arrive_late) {
     for (int i = 0; i < 16; ++i) window.answered(false);
     for (int i = 0; i < 9; ++i) window.lost(false, false);
     ASSERT_EQ(window.size(), 1u);
-    window.came_late();
+    window.on_late_answer();
     EXPECT_EQ(window.size(), 1u);
-    window.came_late();
+    window.on_late_answer();
     EXPECT_EQ(window.size(), 2u);
     for (int i = 0; i < 9; ++i) {
         window.lost(false, false);
-        window.came_late();
+        window.on_late_answer();
     }
     EXPECT_EQ(window.size(), 2u) << "none of them was lost";
 }

@@ -511,7 +511,7 @@ TEST_F(Upgrade, recognizes_failures_in_both_byte_orders) {
 }
 
 TEST_F(Upgrade, shows_the_bytes_of_an_invalid_answer) {
-    loader.says_instead = 0x0307;
+    loader.sent_instead = 0x0307;
     const auto task = run();
     EXPECT_EQ(task->end()->ending, Ending::timeout);
     EXPECT_EQ(task->end()->what, "0xDC sent 0xF0 with 00 07 03, which is not a valid answer: description of the image");

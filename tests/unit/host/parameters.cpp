@@ -242,7 +242,7 @@ TEST_F(Reads, the_other_parameters_and_reports_one_without_an_answer) {
 
 TEST_F(Reads, within_a_minute_from_a_device_that_reports_a_wrong_count) {
     fake.make_parameters(10);
-    fake.says_count = 60'000;
+    fake.reported_count = 60'000;
     fake.instead = [&](FrameView f) -> std::optional<std::vector<Bytes>> {
         if (f.id() == 0xE0 && f.data()[0] >= 2 && (f.data()[1] >= 10 || f.data()[2] > 0)) return std::vector<Bytes>{};
         return std::nullopt;
@@ -307,7 +307,7 @@ TEST_F(Reads, and_fails_when_the_count_never_stops_changing) {
     fake.make_parameters(30);
     std::uint16_t count = 10;
     fake.instead = [&](FrameView f) -> std::optional<std::vector<Bytes>> {
-        if (f.id() == 0xE0 && f.data()[0] == 1) fake.says_count = ++count;
+        if (f.id() == 0xE0 && f.data()[0] == 1) fake.reported_count = ++count;
         return std::nullopt;
     };
     EXPECT_EQ(read(), Ending::failed);

@@ -82,11 +82,11 @@ Request upgrade(std::string target, std::string subprotocols, std::vector<Field>
     request.target = std::move(target);
     return request;
 }
-constexpr std::string_view spoken = "plot.v1";
+constexpr std::string_view subprotocol = "plot.v1";
 Admission admission_of_plots() {
     AdmissionRules rules;
     rules.paths = {"/", "/plot"};
-    rules.subprotocols = {spoken};
+    rules.subprotocols = {subprotocol};
     return admission_with(std::move(rules));
 }
 
@@ -311,7 +311,7 @@ TEST(Attempts, are_reported_for_ten_clients_a_minute_and_counted_for_the_others)
     for (int client = 0; client < 10; ++client) {
         const Attempts::News news = guess(client);
         EXPECT_TRUE(news.is_told);
-        EXPECT_EQ(news.untold, 0u);
+        EXPECT_EQ(news.unlogged, 0u);
         EXPECT_EQ(news.is_last, client == 9);
     }
     for (int client = 10; client < 30; ++client) EXPECT_FALSE(guess(client).is_told);
@@ -319,10 +319,10 @@ TEST(Attempts, are_reported_for_ten_clients_a_minute_and_counted_for_the_others)
     now += 1min;
     Attempts::News news = guess(30);
     EXPECT_TRUE(news.is_told && !news.is_last);
-    EXPECT_EQ(news.untold, 20u);
+    EXPECT_EQ(news.unlogged, 20u);
     news = guess(31);
     EXPECT_TRUE(news.is_told);
-    EXPECT_EQ(news.untold, 0u);
+    EXPECT_EQ(news.unlogged, 0u);
 }
 
 TEST(Admission, recognizes_control_rights_from_the_head_alone) {

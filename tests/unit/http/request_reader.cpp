@@ -23,7 +23,7 @@ TEST(RequestReader, reads_a_request_however_it_is_cut) {
         RequestReader reader{{}};
         EXPECT_EQ(put(reader, question + "GET", step).substr(0, 3), "GET") << "which is the next one's";
         ASSERT_TRUE(reader.is_done());
-        const Request request = reader.take();
+        const Request request = reader.pop_request();
         EXPECT_EQ(request.method, "POST");
         EXPECT_EQ(request.target, "/gpio?n=1");
         EXPECT_EQ(request.body, "body");
@@ -35,17 +35,17 @@ TEST(RequestReader, reads_a_request_however_it_is_cut) {
 
 TEST(RequestReader, preserves_changes_of_the_head_made_before_the_body) {
     RequestReader reader{{}, [](Request& head) {
-                             EXPECT_EQ(head.body_to_come, 4u);
+                             EXPECT_EQ(head.body_length, 4u);
                              head.user = 7;
                              return std::optional<std::uint64_t>{4};
                          }};
     EXPECT_EQ(put(reader, question, 5), "");
     ASSERT_TRUE(reader.is_done());
-    const Request request = reader.take();
+    const Request request = reader.pop_request();
     EXPECT_EQ(request.user, 7u);
     EXPECT_EQ(request.header("Host"), "x");
     EXPECT_EQ(request.body, "body");
-    EXPECT_EQ(request.body_to_come, 0u) << "all of it is here";
+    EXPECT_EQ(request.body_length, 0u) << "all of it is here";
 }
 
 TEST(RequestReader, reads_a_body_in_chunks) {
@@ -56,7 +56,7 @@ TEST(RequestReader, reads_a_body_in_chunks) {
             RequestReader reader{{}};
             EXPECT_EQ(put(reader, head + "3\r\nabc\r\n1\r\nd\r\n" + end + "GET /", step), "GET /") << end;
             ASSERT_TRUE(reader.is_done()) << end;
-            EXPECT_EQ(reader.take().body, "abcd");
+            EXPECT_EQ(reader.pop_request().body, "abcd");
 
             RequestReader empty{{}};
             EXPECT_EQ(put(empty, head + end + "GET /", step), "GET /") << end;
@@ -96,7 +96,7 @@ TEST(RequestReader, detects_whether_the_connection_stays_open) {
         RequestReader reader{{}};
         put(reader, text);
         ASSERT_TRUE(reader.is_done()) << text;
-        EXPECT_EQ(reader.take().keep_alive, stays) << text;
+        EXPECT_EQ(reader.pop_request().keep_alive, stays) << text;
     }
 }
 
@@ -133,7 +133,7 @@ TEST(RequestReader, accepts_a_body_up_to_the_limit_for_its_head) {
             EXPECT_EQ(chunked.fault() ? chunked.fault()->status : 200u, fits ? 200u : 413u) << target;
             if (fits) {
                 ASSERT_TRUE(chunked.is_done());
-                EXPECT_EQ(chunked.take().body.size(), 1000u);
+                EXPECT_EQ(chunked.pop_request().body.size(), 1000u);
             }
             RequestReader beyond{{.header = 200, .body = 10}, limit};
             put(beyond, head + "Content-Length: 1001\r\n\r\n", step);
@@ -155,11 +155,11 @@ TEST(RequestReader, returns_a_body_in_parts_while_it_is_received) {
             came += text.substr(0, 7);
             text.erase(0, 7);
             came.erase(0, reader.put(came));
-            if (reader.body_size() >= 50) body += reader.take_body();
+            if (reader.body_size() >= 50) body += reader.pop_body();
             ASSERT_LT(reader.body_size(), 60u);
         }
         ASSERT_TRUE(reader.is_done());
-        EXPECT_EQ(body + reader.take().body, sent);
+        EXPECT_EQ(body + reader.pop_request().body, sent);
     }
 }
 

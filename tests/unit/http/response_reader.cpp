@@ -12,7 +12,7 @@ std::string body_of(ResponseReader& reader, std::string bytes, std::size_t step 
         came += bytes.substr(0, step);
         bytes.erase(0, step);
         came.erase(0, reader.put(came));
-        if (reader.has_head()) body += reader.take_body();
+        if (reader.has_head()) body += reader.pop_body();
     }
     return body;
 }
@@ -32,7 +32,7 @@ TEST(ResponseReader, reads_a_response_however_it_is_cut) {
 TEST(ResponseReader, returns_the_body_of_a_stream_as_it_arrives) {
     ResponseReader reader;
     EXPECT_EQ(body_of(reader, ok + "Transfer-Encoding: chunked\r\n\r\n3\r\nabc\r\n2\r\nd"), "abcd");
-    EXPECT_EQ(reader.take_body(), "");
+    EXPECT_EQ(reader.pop_body(), "");
     EXPECT_FALSE(reader.is_done());
     EXPECT_EQ(body_of(reader, "e\r\n1\r\nf\r\n"), "ef");
     EXPECT_FALSE(reader.is_done());

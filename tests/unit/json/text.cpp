@@ -61,20 +61,20 @@ TEST(Text, in_gbk_is_converted_to_utf8_and_back) {
 
 TEST(Text, of_a_device_loses_only_a_truncated_character) {
     const std::string utf8_text = "横滚P", gbk_text = *from_utf8("横滚P", Encoding::gbk);
-    EXPECT_EQ(shown_text(utf8_text.substr(0, 5), Encoding::utf8), "横");
-    EXPECT_EQ(shown_text(utf8_text.substr(0, 4), Encoding::utf8), "横");
-    EXPECT_EQ(shown_text(utf8_text.substr(0, 1), Encoding::utf8), "");
-    EXPECT_EQ(shown_text(gbk_text.substr(0, 3), Encoding::gbk), "横");
-    EXPECT_EQ(shown_text("P" + gbk_text.substr(0, 1), Encoding::gbk), "P");
+    EXPECT_EQ(display_text(utf8_text.substr(0, 5), Encoding::utf8), "横");
+    EXPECT_EQ(display_text(utf8_text.substr(0, 4), Encoding::utf8), "横");
+    EXPECT_EQ(display_text(utf8_text.substr(0, 1), Encoding::utf8), "");
+    EXPECT_EQ(display_text(gbk_text.substr(0, 3), Encoding::gbk), "横");
+    EXPECT_EQ(display_text("P" + gbk_text.substr(0, 1), Encoding::gbk), "P");
     for (const Encoding encoding : {Encoding::utf8, Encoding::automatic}) {
-        EXPECT_EQ(shown_text(utf8_text, encoding), utf8_text);
-        EXPECT_EQ(shown_text("🚁🚁", encoding), "🚁🚁");
-        EXPECT_EQ(shown_text(std::string{"🚁🚁"}.substr(0, 7), encoding), "🚁");
+        EXPECT_EQ(display_text(utf8_text, encoding), utf8_text);
+        EXPECT_EQ(display_text("🚁🚁", encoding), "🚁🚁");
+        EXPECT_EQ(display_text(std::string{"🚁🚁"}.substr(0, 7), encoding), "🚁");
     }
-    EXPECT_EQ(shown_text(gbk_text, Encoding::automatic), "横滚P");
-    EXPECT_EQ(shown_text(gbk_text.substr(0, 3), Encoding::automatic), "横");
-    EXPECT_EQ(shown_text("\xAA\xA1" + gbk_text, Encoding::gbk), "\xEF\xBF\xBD横滚P") << "a pair of no character";
-    EXPECT_EQ(shown_text("\x80z", Encoding::utf8), "\xEF\xBF\xBDz");
+    EXPECT_EQ(display_text(gbk_text, Encoding::automatic), "横滚P");
+    EXPECT_EQ(display_text(gbk_text.substr(0, 3), Encoding::automatic), "横");
+    EXPECT_EQ(display_text("\xAA\xA1" + gbk_text, Encoding::gbk), "\xEF\xBF\xBD横滚P") << "a pair of no character";
+    EXPECT_EQ(display_text("\x80z", Encoding::utf8), "\xEF\xBF\xBDz");
 }
 
 TEST(Text, of_any_bytes_can_be_shown) {
@@ -83,7 +83,7 @@ TEST(Text, of_any_bytes_can_be_shown) {
         std::string bytes(random.below(12u), '\0');
         for (char& c : bytes) c = static_cast<char>(random.byte());
         for (const Encoding encoding : {Encoding::utf8, Encoding::gbk, Encoding::automatic})
-            ASSERT_TRUE(is_utf8(shown_text(bytes, encoding)));
+            ASSERT_TRUE(is_utf8(display_text(bytes, encoding)));
         ASSERT_TRUE(may_be_gbk(without_cut_character(*from_utf8("解锁", Encoding::gbk), Encoding::gbk)));
     }
 }

@@ -97,7 +97,7 @@ TEST_F(Datagrams, are_retried_once_each) {
 TEST_F(Datagrams, wait_briefly_if_every_try_fails_due_to_earlier_datagrams) {
     push(1);
     const std::function<bool()> there_was_one = [] { return true; };
-    way.take_reports = &there_was_one;
+    way.read_reports = &there_was_one;
     calls_do(std::vector<Fate>(100, Fate{.error = ECONNREFUSED}));
     EXPECT_EQ(send().result, SendResult::no_memory);
     EXPECT_EQ(calls, 16u);

@@ -119,7 +119,7 @@ struct Sessions : testing::Test {
         }));
         return fd;
     }
-    bool until_hears(const UniqueFd& fd, const Bytes& what) {
+    bool until_received(const UniqueFd& fd, const Bytes& what) {
         Bytes heard;
         return host.until([&] {
             Bytes more(4096);
@@ -146,7 +146,7 @@ TEST_F(Sessions, open_when_the_connection_is_established_and_carry_frames_both_w
     one.most = 3;    // a write may accept less than a frame
     host.channels()[0]->outbox.push(ano::FrameView{vendor::who_are_you});
     one.write();
-    EXPECT_TRUE(until_hears(first, vendor::who_are_you));
+    EXPECT_TRUE(until_received(first, vendor::who_are_you));
 }
 
 TEST_F(Sessions, one_that_ends_does_not_affect_the_others) {
@@ -221,7 +221,7 @@ TEST_F(Session, has_a_congested_outbox_while_the_wire_accepts_nothing) {
     one.write();
     EXPECT_TRUE(channel().outbox.congested());
     one.most = SIZE_MAX;
-    EXPECT_TRUE(until_hears(other, frame));
+    EXPECT_TRUE(until_received(other, frame));
 }
 
 TEST_F(Session, that_is_paced_sends_no_more_than_the_line_carries) {

@@ -69,7 +69,7 @@ struct ListeningLink : testing::Test {
         link->start();
         ASSERT_TRUE(host.why.empty()) << host.why;
     }
-    void say(UdpPeer& peer, const Bytes& bytes) { ASSERT_TRUE(peer.send(link->local_port(), bytes)); }
+    void send(UdpPeer& peer, const Bytes& bytes) { ASSERT_TRUE(peer.send(link->local_port(), bytes)); }
     /// The peer of this endpoint; waits until it is registered.
     Channel* channel(const UdpPeer& peer) {
         Channel* found = nullptr;
@@ -107,18 +107,18 @@ struct ListeningLink : testing::Test {
 TEST_F(ListeningLink, reuses_the_quota_of_a_forgotten_peer) {
     udp.max_peers = 1;
     start();
-    say(first, vendor::who_are_you);
+    send(first, vendor::who_are_you);
     const Channel* const channel_of_first = channel(first);
     ASSERT_TRUE(channel_of_first);
     link->forget_peer(channel_of_first->id);
-    say(second, vendor::who_are_you);
+    send(second, vendor::who_are_you);
     EXPECT_TRUE(channel(second));
     EXPECT_EQ(peers(), std::vector{second.local().text()});
 }
 
 TEST_F(ListeningLink, counts_a_peer_as_seen_although_its_first_frame_waits_after_a_false_header) {
     start();
-    say(first, hex("AB 01 02 03 FF 00") + telemetry);
+    send(first, hex("AB 01 02 03 FF 00") + telemetry);
     const Channel* const of_first = channel(first);
     ASSERT_TRUE(of_first);
     EXPECT_TRUE(host.heard(of_first->peer).empty());
@@ -127,7 +127,7 @@ TEST_F(ListeningLink, counts_a_peer_as_seen_although_its_first_frame_waits_after
 
 TEST_F(ListeningLink, counts_frames_from_senders_that_are_not_allowed) {
     start<Unwelcoming>();
-    say(first, telemetry + telemetry);
+    send(first, telemetry + telemetry);
     EXPECT_TRUE(host.until([&] { return link->unassigned_traffic().received.bytes_in == 2 * telemetry.size(); }));
     EXPECT_EQ(link->unassigned_traffic().received.denied_in, 2u);
     EXPECT_TRUE(peers().empty());
@@ -135,26 +135,26 @@ TEST_F(ListeningLink, counts_frames_from_senders_that_are_not_allowed) {
 
 TEST_F(ListeningLink, drops_and_counts_frames_from_a_peer_that_sends_a_listening_request) {
     start();
-    say(first, telemetry);
+    send(first, telemetry);
     const Channel* const of_first = channel(first);
     ASSERT_TRUE(of_first);
-    say(first, notice(Kind::question, 7) + telemetry);
+    send(first, notice(Kind::question, 7) + telemetry);
     EXPECT_TRUE(host.until([&] { return of_first->routed.suspended == 1; }));
     EXPECT_EQ(host.heard(of_first->peer), telemetry);
 }
 
 TEST_F(ListeningLink, drops_frames_from_a_peer_that_is_a_gateway_and_forgets_it) {
     start();
-    say(first, telemetry);
+    send(first, telemetry);
     ASSERT_TRUE(channel(first));
-    say(first, notice(Kind::question, 7));
+    send(first, notice(Kind::question, 7));
     std::optional<ListeningNotice> asked;
     ASSERT_TRUE(host.until([&] {
         for (const Bytes& one : first.frames())
             if (const auto said = listening_notice(ano::FrameView{one}); said && said->kind == Kind::question) asked = said;
         return asked.has_value();
     }));
-    say(first, notice(Kind::answer, asked->number) + telemetry);
+    send(first, notice(Kind::answer, asked->number) + telemetry);
     EXPECT_TRUE(host.until([&] { return peers().empty(); }));
     EXPECT_EQ(host.heard(first.local().text()), telemetry) << "that of before";
     EXPECT_EQ(link->trouble().id, "other_gateway");
@@ -164,16 +164,16 @@ TEST_F(ListeningLink, drops_frames_from_a_peer_that_is_a_gateway_and_forgets_it)
 // again.
 TEST_F(ListeningLink, accepts_a_new_program_on_the_port_of_a_forgotten_peer) {
     start();
-    say(first, telemetry);
+    send(first, telemetry);
     const Channel* const before = channel(first);
     ASSERT_TRUE(before);
-    say(first, notice(Kind::question, 7) + telemetry);
+    send(first, notice(Kind::question, 7) + telemetry);
     ASSERT_TRUE(host.until([&] { return before->routed.suspended == 1; }));
     link->forget_peer(before->id);
-    say(first, vendor::who_are_you);
+    send(first, vendor::who_are_you);
     ASSERT_TRUE(host.until([&] { return link->unassigned_traffic().received.suspended == 1; }));
     ASSERT_TRUE(host.until([&] {
-        say(first, vendor::who_are_you);
+        send(first, vendor::who_are_you);
         return !peers().empty();
     }));
     EXPECT_EQ(peers(), std::vector{first.local().text()});
@@ -185,7 +185,7 @@ TEST_F(ListeningLink, reads_the_local_networks_once_a_second_however_many_unknow
     const TimePoint begin = Clock::now();
     const int before = networks_read;
     constexpr int strangers = 50;
-    for (int i = 0; i < strangers; ++i) say(first, telemetry);
+    for (int i = 0; i < strangers; ++i) send(first, telemetry);
     ASSERT_TRUE(until_denied(strangers));
     EXPECT_GE(networks_read, before + 1);
     EXPECT_LE(networks_read, before + 1 + (Clock::now() - begin) / 1s);
@@ -201,16 +201,16 @@ TEST_F(ListeningLink, measures_the_age_of_datagrams_again_after_the_clock_was_se
     };
     start();
     ahead = {};
-    say(first, telemetry);
+    send(first, telemetry);
     Channel* const of_first = channel(first);
     ASSERT_TRUE(of_first);
     for (int i = 0; i < 2; ++i) {    // the first read still compares with the turn before the step
-        say(first, telemetry);
+        send(first, telemetry);
         const Bytes& heard = host.heard(of_first->peer);
         const std::size_t all = heard.size() + telemetry.size();
         ASSERT_TRUE(host.until([&] { return heard.size() >= all; }));
     }
-    say(first, telemetry);
+    send(first, telemetry);
     const TimePoint there = Clock::now();
     std::this_thread::sleep_for(20ms);
     const TimePoint arrived_before = of_first->arrived_at;
@@ -231,7 +231,7 @@ TEST_F(ListeningLink, restores_the_stored_state_of_its_peers) {
     EXPECT_EQ(known[0].endpoint, first.local());
     EXPECT_EQ(known[0].memory.heard_at, memory.heard_at);
     EXPECT_TRUE(known[0].memory.is_host);
-    EXPECT_TRUE(known[0].memory.came_again);
+    EXPECT_TRUE(known[0].memory.has_returned);
 }
 
 TEST_F(ListeningLink, restores_up_to_max_peers_and_prefers_those_last_heard) {

@@ -40,13 +40,13 @@ TEST(LogLine, is_in_the_log_with_its_level) {
     log_info("{}: peer {}", "ground", 7);
     log_warning("{:.1f} s", 1.25);
     log_error("{} {{}}", "as it is: {}");
-    EXPECT_EQ(lines.take(), (Lines{"info ground: peer 7", "warning 1.2 s", "error as it is: {} {}"}));
+    EXPECT_EQ(lines.pop_all(), (Lines{"info ground: peer 7", "warning 1.2 s", "error as it is: {} {}"}));
 }
 
 TEST(LogLine, replaces_invalid_utf8_and_escapes_invisible_characters) {
     support::LogLines lines;
     log_warning("a {} file", std::string{"\xFB\x84\x1B[2J\u202E\uFE0F\xC2"});
-    EXPECT_EQ(lines.take(), (Lines{"a \uFFFD\uFFFD\\u001b[2J\\u202e\\ufe0f\uFFFD file"}));
+    EXPECT_EQ(lines.pop_all(), (Lines{"a \uFFFD\uFFFD\\u001b[2J\\u202e\\ufe0f\uFFFD file"}));
 }
 
 TEST(LogLine, below_the_level_is_neither_logged_nor_formatted) {
@@ -57,7 +57,7 @@ TEST(LogLine, below_the_level_is_neither_logged_nor_formatted) {
     EXPECT_EQ(formatted, 0);
     log_warning("{}", Counted{&formatted});
     EXPECT_EQ(formatted, 1);
-    EXPECT_EQ(lines.take(), Lines{"counted"});
+    EXPECT_EQ(lines.pop_all(), Lines{"counted"});
 }
 
 TEST(LogLine, that_was_requested_is_logged_at_every_level_except_off) {
@@ -65,10 +65,10 @@ TEST(LogLine, that_was_requested_is_logged_at_every_level_except_off) {
     spdlog::default_logger()->set_pattern("%l %v");
     set_log_level("error");
     log_asked("status {}");
-    EXPECT_EQ(lines.take(), Lines{"info status {}"});
+    EXPECT_EQ(lines.pop_all(), Lines{"info status {}"});
     set_log_level("off");
     log_asked("status");
-    EXPECT_TRUE(lines.take().empty());
+    EXPECT_TRUE(lines.pop_all().empty());
 }
 
 TEST(LogLine, that_cannot_be_formatted_is_lost_without_stopping_the_log) {
@@ -78,7 +78,7 @@ TEST(LogLine, that_cannot_be_formatted_is_lost_without_stopping_the_log) {
     log_error("{}", Counted{&formatted, true});
     log_error("the next");
     EXPECT_EQ(lost, 1);
-    EXPECT_EQ(lines.take(), Lines{"the next"});
+    EXPECT_EQ(lines.pop_all(), Lines{"the next"});
 }
 
 }    // namespace

@@ -8,7 +8,7 @@ namespace {
 const spdlog::log_clock::time_point noon{std::chrono::hours{12}};
 constexpr int many = 100'000;
 
-void say(LogQueue& queue, const std::string& text) { queue.push(spdlog::level::info, noon, text); }
+void push_line(LogQueue& queue, const std::string& text) { queue.push(spdlog::level::info, noon, text); }
 
 TEST(LogQueue, returns_messages_unchanged) {
     LogQueue queue;
@@ -16,7 +16,7 @@ TEST(LogQueue, returns_messages_unchanged) {
     queue.push(spdlog::level::warn, noon, "one");
     queue.push(spdlog::level::err, {}, "two\nthree\n", true);
     EXPECT_FALSE(queue.empty());
-    const LogQueue::Batch batch = queue.take();
+    const LogQueue::Batch batch = queue.pop_all();
     ASSERT_EQ(batch.messages.size(), 2u);
     EXPECT_EQ(batch.messages[0].text, "one");
     EXPECT_EQ(batch.messages[0].level, spdlog::level::warn);
@@ -30,8 +30,8 @@ TEST(LogQueue, returns_messages_unchanged) {
 
 TEST(LogQueue, keeps_the_first_and_counts_the_rest) {
     LogQueue queue;
-    for (int i = 0; i < many; ++i) say(queue, std::to_string(i));
-    const LogQueue::Batch batch = queue.take();
+    for (int i = 0; i < many; ++i) push_line(queue, std::to_string(i));
+    const LogQueue::Batch batch = queue.pop_all();
     const std::size_t kept = batch.messages.size();
     EXPECT_GT(kept, 100u);
     EXPECT_LE(kept * sizeof(LogMessage), LogQueue::room);
@@ -41,14 +41,14 @@ TEST(LogQueue, keeps_the_first_and_counts_the_rest) {
 
 TEST(LogQueue, has_one_gap_and_accepts_nothing_after_it_until_all_is_read) {
     LogQueue queue;
-    say(queue, std::string(LogQueue::room, 'x'));    // it begins below the limit
-    say(queue, "lost");
-    say(queue, "");
-    LogQueue::Batch batch = queue.take();
+    push_line(queue, std::string(LogQueue::room, 'x'));    // it begins below the limit
+    push_line(queue, "lost");
+    push_line(queue, "");
+    LogQueue::Batch batch = queue.pop_all();
     EXPECT_EQ(batch.messages.size(), 1u);
     EXPECT_EQ(batch.lost, 2u);
-    say(queue, "again");
-    batch = queue.take();
+    push_line(queue, "again");
+    batch = queue.pop_all();
     ASSERT_EQ(batch.messages.size(), 1u);
     EXPECT_EQ(batch.messages[0].text, "again");
     EXPECT_EQ(batch.lost, 0u);
@@ -56,9 +56,9 @@ TEST(LogQueue, has_one_gap_and_accepts_nothing_after_it_until_all_is_read) {
 
 TEST(LogQueue, accepts_nothing_when_it_is_exactly_full) {
     LogQueue queue;
-    say(queue, std::string(LogQueue::room - sizeof(LogMessage), 'x'));
-    say(queue, "lost");
-    const LogQueue::Batch batch = queue.take();
+    push_line(queue, std::string(LogQueue::room - sizeof(LogMessage), 'x'));
+    push_line(queue, "lost");
+    const LogQueue::Batch batch = queue.pop_all();
     EXPECT_EQ(batch.messages.size(), 1u);
     EXPECT_EQ(batch.lost, 1u);
 }
@@ -67,9 +67,9 @@ TEST(LogQueue, counts_lines_not_messages) {
     LogQueue queue;
     queue.lose();
     EXPECT_FALSE(queue.empty());
-    say(queue, "status\na: up\nb: up\n");
-    say(queue, "status\na: up");
-    EXPECT_EQ(queue.take().lost, 1u + 3 + 2);
+    push_line(queue, "status\na: up\nb: up\n");
+    push_line(queue, "status\na: up");
+    EXPECT_EQ(queue.pop_all().lost, 1u + 3 + 2);
 }
 
 }    // namespace

@@ -23,7 +23,7 @@ constexpr std::uint8_t host = 0xFE, self = 21, everybody = 0xFF;
 constexpr ano::TimePoint start{1000s};
 constexpr std::uint16_t forget_after = 1, en_fc = 3, en_ground = 5;
 
-class FakeDeeds final : public GatewayDeeds {
+class FakeOperations final : public GatewayOperations {
 public:
     void apply(const WrittenValues& written) override { applied.push_back(written); }
     std::string save(const WrittenValues& written) override { return saved.push_back(written), refusal; }
@@ -97,8 +97,8 @@ protected:
     double value(std::size_t id) const { return device.values().at(id).value; }
 
     Settings file;
-    FakeDeeds deeds;
-    GatewayDevice device{deeds};
+    FakeOperations operations;
+    GatewayDevice device{operations};
     GatewayDevice::Asker manager{7, "fc", true, false}, stranger{8, "ground", false, false};
     GatewayDevice::Link last_link = 0;
 };
@@ -127,12 +127,12 @@ TEST_F(GatewayAsDevice, stores_written_values_within_their_limits) {
     const Bytes question = write(forget_after, {0x88, 0x13, 0, 0});
     EXPECT_EQ(answer(question), acknowledges(question));
     EXPECT_EQ(value(forget_after), 5000);
-    ASSERT_EQ(deeds.applied.size(), 1u);
-    EXPECT_EQ(deeds.applied[0].applied(file).gateway.forget_after, 5s);
+    ASSERT_EQ(operations.applied.size(), 1u);
+    EXPECT_EQ(operations.applied[0].applied(file).gateway.forget_after, 5s);
     answer(write(forget_after, {1, 0, 0, 0}));
     EXPECT_EQ(answer(ask(0xE0, {2, 1, 0})), says(0xE1, {1, 0, 0xE8, 3, 0, 0})) << "at least a second";
     answer(write(forget_after, {0xE8, 3, 0, 0}));
-    EXPECT_EQ(deeds.applied.size(), 2u) << "what holds already changes nothing";
+    EXPECT_EQ(operations.applied.size(), 2u) << "what holds already changes nothing";
 }
 
 TEST_F(GatewayAsDevice, answers_requests_on_every_link_but_acts_only_on_links_that_may_manage) {
@@ -145,7 +145,7 @@ TEST_F(GatewayAsDevice, answers_requests_on_every_link_but_acts_only_on_links_th
         EXPECT_EQ(device.counters().not_managed, ++refused);
     }
     EXPECT_EQ(value(forget_after), 30'000);
-    EXPECT_TRUE(deeds.applied.empty() && deeds.did.empty() && deeds.saved.empty());
+    EXPECT_TRUE(operations.applied.empty() && operations.did.empty() && operations.saved.empty());
 }
 
 TEST_F(GatewayAsDevice, reports_to_a_host_why_it_refuses_but_not_each_time) {
@@ -159,9 +159,9 @@ TEST_F(GatewayAsDevice, reports_to_a_host_why_it_refuses_but_not_each_time) {
             return data;
         }()));
     EXPECT_TRUE(answers(ask(0xC0, {1, 0, 1}), stranger, start + 4s).empty());
-    EXPECT_EQ(deeds.warnings.size(), 1u);
+    EXPECT_EQ(operations.warnings.size(), 1u);
     EXPECT_EQ(answers(ask(0xC0, {1, 0, 1}), stranger, start + 5s).size(), 1u);
-    EXPECT_TRUE(deeds.warnings.back().ends_with("(1 more since the last)")) << deeds.warnings.back();
+    EXPECT_TRUE(operations.warnings.back().ends_with("(1 more since the last)")) << operations.warnings.back();
     EXPECT_TRUE(answers(ask(0xC0, {1, 0, 1}, 0x21), stranger, start + 20s).empty()) << "a device does not read";
 }
 
@@ -169,7 +169,7 @@ TEST_F(GatewayAsDevice, ignores_broadcast_actions) {
     EXPECT_TRUE(answer(frame(host, everybody, 0xE1, {3, 0, 0})).empty());
     EXPECT_TRUE(answer(frame(host, everybody, 0xE0, {0x10, 0xAA, 0})).empty());
     EXPECT_EQ(device.counters().to_everybody, 2u);
-    EXPECT_TRUE(deeds.applied.empty());
+    EXPECT_TRUE(operations.applied.empty());
 }
 
 TEST_F(GatewayAsDevice, does_not_let_a_writer_close_the_link_it_uses) {
@@ -210,9 +210,9 @@ TEST_F(GatewayAsDevice, does_not_restore_a_value_that_would_close_the_link_of_th
 
 TEST_F(GatewayAsDevice, reports_to_the_control_interface_why_it_refuses) {
     answers(ask(0xC0, {1, 0, 3, 77}), manager);
-    EXPECT_TRUE(deeds.refused.empty()) << "a link hears it by a line";
+    EXPECT_TRUE(operations.refused.empty()) << "a link hears it by a line";
     for (int i = 0; i < 2; ++i) answers(ask(0xC0, {1, 0, 3, 77}), {9, "control", true, true});
-    EXPECT_EQ(deeds.refused,
+    EXPECT_EQ(operations.refused,
               (std::vector<std::string>{"RESTART_LINK: there is no link 77", "RESTART_LINK: there is no link 77"}));
 }
 
@@ -220,8 +220,8 @@ TEST_F(GatewayAsDevice, acknowledges_a_save_when_it_is_on_the_disk) {
     answer(write(forget_after, {0x88, 0x13, 0, 0}));
     const Bytes save = ask(0xE0, {0x10, 0xAB, 0});
     EXPECT_TRUE(answers(save, manager).empty());
-    ASSERT_EQ(deeds.saved.size(), 1u);
-    EXPECT_EQ(deeds.saved[0].applied(file).gateway.forget_after, 5s);
+    ASSERT_EQ(operations.saved.size(), 1u);
+    EXPECT_EQ(operations.saved[0].applied(file).gateway.forget_after, 5s);
     device.saved("", start + 20ms);
     EXPECT_EQ(heard(), std::vector<Bytes>{acknowledges(save)});
     EXPECT_EQ(last_link, 7u);
@@ -245,7 +245,8 @@ TEST_F(GatewayAsDevice, describes_and_executes_its_commands) {
     for (const Bytes& command :
          {ask(0xC0, {1, 0, 1}), ask(0xC0, {1, 0, 2}), ask(0xC0, {1, 0, 3, 1}), ask(0xC0, {1, 0, 6}), ask(0xC0, {1, 0, 7})})
         EXPECT_EQ(answer(command), acknowledges(command));
-    EXPECT_EQ(deeds.did, (std::vector<std::string>{"reload", "scan", "restart ground", "start recording", "stop recording"}));
+    EXPECT_EQ(operations.did,
+              (std::vector<std::string>{"reload", "scan", "restart ground", "start recording", "stop recording"}));
     for (const Bytes& said : answers(ask(0xC0, {1, 0, 3, 2}), manager)) EXPECT_EQ(said[3], 0xA0);
     EXPECT_EQ(device.counters().refused, 1u) << "there is no link 2";
     EXPECT_TRUE(answer(ask(0xC0, {9, 9, 9})).empty());
@@ -261,8 +262,8 @@ TEST_F(GatewayAsDevice, pulses_the_lines_that_allow_it) {
     EXPECT_EQ(answer(ask(0xC1, {0, 0, 0})), says(0xC1, {0, 7, 0}));
     const Bytes command = ask(0xC0, {1, 0, 5, 0});
     EXPECT_EQ(answer(command), acknowledges(command));
-    EXPECT_EQ(deeds.did, std::vector<std::string>{"pulse 0"});
-    deeds.refusal = "it was reset less than a minute ago";
+    EXPECT_EQ(operations.did, std::vector<std::string>{"pulse 0"});
+    operations.refusal = "it was reset less than a minute ago";
     for (const Bytes& said : answers(command, manager)) EXPECT_EQ(said[3], 0xA0) << "not acknowledged";
 }
 
@@ -341,8 +342,8 @@ TEST_F(GatewayAsDevice, does_not_exchange_frames_with_another_gateway_endlessly)
     for (const std::uint8_t other_id : {std::uint8_t{22}, self}) {
         Settings others = file;
         others.gateway.id = other_id;
-        FakeDeeds its_deeds;
-        GatewayDevice other{its_deeds};
+        FakeOperations its_operations;
+        GatewayDevice other{its_operations};
         other.configure(others, {});
         const GatewayDevice::Asker from_here{1, "way", true, false};
         for (const std::uint8_t to : {self, everybody})
@@ -365,7 +366,7 @@ TEST_F(GatewayAsDevice, does_not_exchange_frames_with_another_gateway_endlessly)
                     }
                     EXPECT_LE(said, 2u) << int{to} << ' ' << int{id} << ' ' << int{data[0]};
                 }
-        EXPECT_EQ(deeds.applied.size() + its_deeds.applied.size(), 0u);
+        EXPECT_EQ(operations.applied.size() + its_operations.applied.size(), 0u);
     }
 }
 

@@ -60,7 +60,7 @@ std::vector<std::string> names_of(std::string_view file, std::size_t step = 4096
     std::vector<std::string> names;
     const auto reader = make_recording_reader(file);
     for (std::size_t at = 0; at < file.size(); at += step) {
-        reader->give(file.substr(at, step));
+        reader->feed(file.substr(at, step));
         while (const auto item = reader->next())
             if (std::holds_alternative<RecordedFrame>(*item)) names.push_back(name_in(reader->head().decoding));
     }
@@ -124,7 +124,7 @@ TEST(Decoding, turns_flexible_frames_into_messages_in_mcap) {
     std::string_view rest{file};
     rest.remove_prefix(mcap::magic.size());
     std::vector<std::string> schemas;
-    while (const auto record = mcap::take_record(rest)) {
+    while (const auto record = mcap::next_record(rest)) {
         if (record->opcode != mcap::Opcode::schema) continue;
         mcap::Fields fields{record->body};
         fields.number<std::uint16_t>();
@@ -152,7 +152,7 @@ TEST(Decoding, is_kept_in_a_recording_that_was_truncated_and_repaired) {
         const std::string whole = recorded(format, with("before"), with("after"), &until_change);
         for (const std::size_t size : {until_change, until_change + (whole.size() - until_change) / 2, whole.size() - 1}) {
             RecordingRepair repair{format};
-            repair.give(std::string_view{whole}.substr(0, size));
+            repair.feed(std::string_view{whole}.substr(0, size));
             const auto result = repair.finish();
             const std::string repaired = whole.substr(0, static_cast<std::size_t>(result.keep)) + result.append;
             const Names names = names_of(repaired);

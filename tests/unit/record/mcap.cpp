@@ -55,7 +55,7 @@ std::string write_mcap(const std::vector<KeptItem>& items, bool end = true, std:
 std::vector<mcap::Record> records_of(std::string_view file) {
     std::vector<mcap::Record> all;
     file.remove_prefix(mcap::magic.size());
-    while (const auto record = mcap::take_record(file)) all.push_back(*record);
+    while (const auto record = mcap::next_record(file)) all.push_back(*record);
     EXPECT_EQ(file, mcap::magic);
     return all;
 }
@@ -123,7 +123,7 @@ TEST(Mcap, returns_all_complete_items_before_a_cut_at_any_byte) {
     std::vector<KeptItem> read;
     McapReader reader;
     for (std::size_t size = 1; size <= file.size(); ++size) {
-        reader.give(std::string_view{file}.substr(size - 1, 1));
+        reader.feed(std::string_view{file}.substr(size - 1, 1));
         while (const auto item = reader.next()) read.push_back(support::kept(*item));
         ASSERT_FALSE(reader.is_damaged()) << size;
         ASSERT_EQ(reader.position() + reader.unfinished(), size);
@@ -163,7 +163,7 @@ TEST(Mcap, indexes_lead_to_every_message) {
         const auto index_size = fields.number<std::uint64_t>();
         EXPECT_EQ(fields.text(), "zstd");
         std::string_view there = std::string_view{file}.substr(at, size);
-        const auto chunk = mcap::chunk_of(mcap::take_record(there)->body);
+        const auto chunk = mcap::chunk_of(mcap::next_record(there)->body);
         ASSERT_TRUE(chunk && there.empty());
         EXPECT_EQ(chunk->records.size(), fields.number<std::uint64_t>());
         EXPECT_EQ(chunk->unpacked_size, fields.number<std::uint64_t>());
@@ -176,7 +176,7 @@ TEST(Mcap, indexes_lead_to_every_message) {
         while (!offsets.rest().empty()) {
             const auto channel = offsets.number<std::uint16_t>();
             std::string_view behind = std::string_view{file}.substr(offsets.number<std::uint64_t>());
-            const auto index = mcap::take_record(behind);
+            const auto index = mcap::next_record(behind);
             ASSERT_TRUE(index && index->opcode == mcap::Opcode::message_index);
             all_index_bytes += index->whole.size();
             mcap::Fields entries{index->body};
@@ -185,7 +185,7 @@ TEST(Mcap, indexes_lead_to_every_message) {
             while (!entry.rest().empty()) {
                 const auto time = entry.number<std::uint64_t>();
                 std::string_view message_at = std::string_view{inner}.substr(entry.number<std::uint64_t>());
-                const auto message = mcap::message_of(mcap::take_record(message_at)->body);
+                const auto message = mcap::message_of(mcap::next_record(message_at)->body);
                 ASSERT_TRUE(message);
                 EXPECT_EQ(message->log_time, time);
                 EXPECT_EQ(message->channel, channel);
@@ -227,7 +227,7 @@ TEST(Mcap, checksums_and_offsets_match_the_bytes) {
         const auto at = group.number<std::uint64_t>(), size = group.number<std::uint64_t>();
         std::string_view rest = std::string_view{file}.substr(at, size);
         std::size_t count = 0;
-        while (const auto one = mcap::take_record(rest)) count += one->opcode == kind;
+        while (const auto one = mcap::next_record(rest)) count += one->opcode == kind;
         EXPECT_TRUE(rest.empty());
         EXPECT_EQ(count, records_of(file, kind).size());
     }
@@ -235,7 +235,7 @@ TEST(Mcap, checksums_and_offsets_match_the_bytes) {
         mcap::Fields index{record.body};
         const auto at = index.number<std::uint64_t>(), size = index.number<std::uint64_t>();
         std::string_view there = std::string_view{file}.substr(at, size);
-        const auto metadata = mcap::take_record(there);
+        const auto metadata = mcap::next_record(there);
         ASSERT_TRUE(metadata && there.empty());
         EXPECT_EQ(mcap::name_of_metadata(metadata->body), index.text());
     }
@@ -267,12 +267,12 @@ std::string file_of(const std::string& records) { return std::string{mcap::magic
 std::string chunk_record(std::string_view compression, std::string_view bytes, std::uint64_t size, std::uint32_t crc = 0) {
     std::string record;
     const std::size_t begun = mcap::begin_record(record, mcap::Opcode::chunk);
-    mcap::put(record, std::uint64_t{0});
-    mcap::put(record, std::uint64_t{0});
-    mcap::put(record, size);
-    mcap::put(record, crc);
-    mcap::put_text(record, compression);
-    mcap::put(record, static_cast<std::uint64_t>(bytes.size()));
+    mcap::append_le(record, std::uint64_t{0});
+    mcap::append_le(record, std::uint64_t{0});
+    mcap::append_le(record, size);
+    mcap::append_le(record, crc);
+    mcap::append_string(record, compression);
+    mcap::append_le(record, static_cast<std::uint64_t>(bytes.size()));
     record += bytes;
     mcap::end_record(record, begun);
     return record;
@@ -302,8 +302,8 @@ TEST(Mcap, a_chunk_that_contradicts_its_header_is_not_read) {
     EXPECT_NE(fault_of(chunk_record("lz4", "abc", 3)).find("mcap compress --compression zstd"), std::string::npos);
     EXPECT_EQ(fault_of(chunk_record("br", "abc", 3)), "its chunks use an unknown compression");
     std::string endless;
-    mcap::put(endless, std::uint8_t{6});
-    mcap::put(endless, ~std::uint64_t{0});
+    mcap::append_le(endless, std::uint8_t{6});
+    mcap::append_le(endless, ~std::uint64_t{0});
     EXPECT_EQ(fault_of(endless), "a record is longer than 64 MiB");
 }
 
@@ -324,7 +324,7 @@ DamagedFile with_damaged_chunks(const std::vector<std::size_t>& damaged, bool en
     std::size_t number = 0;
     std::string_view rest = std::string_view{file.bytes}.substr(mcap::magic.size());
     std::vector<std::size_t> places;
-    while (const auto record = mcap::take_record(rest)) {
+    while (const auto record = mcap::next_record(rest)) {
         if (record->opcode != mcap::Opcode::chunk) continue;
         if (std::find(damaged.begin(), damaged.end(), number++) == damaged.end()) continue;
         file.damaged_at.push_back(place_of(file.bytes, *record));
@@ -371,18 +371,18 @@ TEST(Mcap, finds_frames_even_if_the_chunk_with_their_channel_is_damaged) {
 
 TEST(Mcap, lists_only_the_first_of_many_damaged_chunks_one_by_one) {
     std::string records;
-    constexpr std::uint64_t count = SkippedParts::max_told + 3;
+    constexpr std::uint64_t count = SkippedParts::max_listed + 3;
     std::string index;    // of one message
     const std::size_t begun = mcap::begin_record(index, mcap::Opcode::message_index);
-    mcap::put(index, std::uint16_t{1});
-    mcap::put_text(index, std::string(2 * sizeof(std::uint64_t), '\0'));
+    mcap::append_le(index, std::uint16_t{1});
+    mcap::append_string(index, std::string(2 * sizeof(std::uint64_t), '\0'));
     mcap::end_record(index, begun);
     for (std::uint64_t i = 0; i < count; ++i) records += chunk_record("", "abc", 4) + index;
     const auto read = read_recording(file_of(records));
     EXPECT_EQ(read.skipped.count, count);
     EXPECT_EQ(read.skipped.bytes, records.size() - count * index.size());
-    ASSERT_EQ(read.skipped.first.size(), SkippedParts::max_told);
-    EXPECT_EQ(read.skipped.first.back().at, mcap::magic.size() + (SkippedParts::max_told - 1) * (records.size() / count));
+    ASSERT_EQ(read.skipped.first.size(), SkippedParts::max_listed);
+    EXPECT_EQ(read.skipped.first.back().at, mcap::magic.size() + (SkippedParts::max_listed - 1) * (records.size() / count));
     EXPECT_EQ(read.skipped.first.back().messages, std::optional<std::uint64_t>{1});
     const std::string alone = chunk_record("", "abc", 4);
     EXPECT_EQ(read_recording(file_of(alone)).skipped.first.at(0).messages, std::nullopt);
@@ -410,18 +410,18 @@ TEST(Mcap, reads_files_saved_by_other_programs) {
     std::string data, file;
     mcap::encode(support::frame_of(item), data);
     const std::size_t header = mcap::begin_record(file, mcap::Opcode::header);
-    mcap::put_text(file, "");
-    mcap::put_text(file, "somebody");
+    mcap::append_string(file, "");
+    mcap::append_string(file, "somebody");
     file += "more";
     mcap::end_record(file, header);
-    mcap::put_schema(file, {77, mcap::frame_schema_name, "ros2msg", mcap::frame_schema_text});
-    mcap::put_channel(file, {900, 77, mcap::frames_topic, "cdr"});
-    mcap::put_channel(file, {901, 77, "/other", "cdr"});
-    mcap::put_message(file, {901, 0, 1, 1, data});
-    mcap::put_message(file, {902, 0, 1, 1, data});    // of a channel that is not declared
-    mcap::put_message(file, {900, 0, item.time_ns, item.time_ns, data});
+    mcap::append_schema(file, {77, mcap::frame_schema_name, "ros2msg", mcap::frame_schema_text});
+    mcap::append_channel(file, {900, 77, mcap::frames_topic, "cdr"});
+    mcap::append_channel(file, {901, 77, "/other", "cdr"});
+    mcap::append_message(file, {901, 0, 1, 1, data});
+    mcap::append_message(file, {902, 0, 1, 1, data});    // of a channel that is not declared
+    mcap::append_message(file, {900, 0, item.time_ns, item.time_ns, data});
     file += '\x90';    // of another program
-    mcap::put(file, std::uint64_t{3});
+    mcap::append_le(file, std::uint64_t{3});
     file += "abc";
     const auto read = read_recording(file_of(file));
     EXPECT_EQ(read.fault, "");
@@ -430,14 +430,14 @@ TEST(Mcap, reads_files_saved_by_other_programs) {
 
 TEST(Mcap, reports_whether_a_file_contains_gateway_data) {
     std::string records;
-    mcap::put_channel(records, {1, 0, "/camera", "cdr"});
-    mcap::put_message(records, {1, 0, 1, 1, "abc"});
+    mcap::append_channel(records, {1, 0, "/camera", "cdr"});
+    mcap::append_message(records, {1, 0, 1, 1, "abc"});
     McapReader strange;
-    strange.give(file_of(records));
+    strange.feed(file_of(records));
     EXPECT_FALSE(strange.next());
     EXPECT_TRUE(strange.is_strange());
     McapReader ours;
-    ours.give(write_mcap({}));
+    ours.feed(write_mcap({}));
     EXPECT_FALSE(ours.next());
     EXPECT_FALSE(ours.is_strange());
 }
@@ -448,7 +448,7 @@ TEST(Mcap, a_message_that_is_not_valid_cdr_is_rejected) {
     const auto read_with = [](std::string_view data) {
         mcap::Items items;
         std::string channel;
-        mcap::put_channel(channel, {1, 1, mcap::frames_topic, "cdr"});
+        mcap::append_channel(channel, {1, 1, mcap::frames_topic, "cdr"});
         items.add_channel(channel.substr(mcap::record_head));
         return items.item_of({1, 0, 1, 1, data}).has_value();
     };

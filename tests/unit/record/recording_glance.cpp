@@ -134,15 +134,15 @@ TEST(RecordingGlance, reports_the_program_of_an_mcap_file_and_whether_it_was_end
 TEST(RecordingGlance, does_not_recognize_an_mcap_file_saved_by_another_program) {
     std::string file{mcap::magic};
     for (const std::string_view program : {"filter", "anogated 0.1.0"})
-        mcap::put_metadata(file, mcap::head_name, {{"program", program}});
+        mcap::append_metadata(file, mcap::head_name, {{"program", program}});
     EXPECT_EQ(glance_at_mcap(file).head.program, "") << "no Header is in front";
     std::string ours;
     const McapWriter writer{head, ours};
     const std::string_view own = ours;
     std::string_view rest = own.substr(mcap::magic.size());
-    ASSERT_TRUE(mcap::take_record(rest));
+    ASSERT_TRUE(mcap::next_record(rest));
     std::string saved{own.substr(0, own.size() - rest.size())};
-    mcap::put_metadata(saved, "filter", {{"program", "filter"}});
+    mcap::append_metadata(saved, "filter", {{"program", "filter"}});
     saved += rest;
     EXPECT_EQ(glance_at_mcap(saved).head.program, "");
 }

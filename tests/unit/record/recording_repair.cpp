@@ -26,7 +26,7 @@ const RecordingHead head{"anogated 0.1.0", 1'763'898'044'123'456'789, 1'234'567'
 
 RecordingRepair::Result repair(RecordingFormat format, std::string_view file, std::size_t step = 4096) {
     RecordingRepair repair{format};
-    for (std::size_t at = 0; at < file.size(); at += step) repair.give(file.substr(at, step));
+    for (std::size_t at = 0; at < file.size(); at += step) repair.feed(file.substr(at, step));
     return repair.finish();
 }
 
@@ -68,7 +68,7 @@ TEST_P(Repair, keeps_everything_that_was_complete_before_a_cut_at_any_byte) {
     std::size_t most = 0;
     RecordingRepair growing{GetParam()};
     RecordingRepair::Result before;
-    for (std::size_t size = 0; size <= file.size(); growing.give(std::string_view{file}.substr(size++, 1))) {
+    for (std::size_t size = 0; size <= file.size(); growing.feed(std::string_view{file}.substr(size++, 1))) {
         const auto cut = std::string_view{file}.substr(0, size);
         const auto result = growing.finish();
         ASSERT_EQ(result.is_recording, size >= head_size) << size;
@@ -114,7 +114,7 @@ TEST_P(Repair, repairs_a_file_cut_at_every_byte_of_its_last_mebibyte) {
     ASSERT_GT(file.size(), mebibyte);
     RecordingRepair growing{GetParam()};
     std::size_t at = file.size() - mebibyte, files = 0;
-    growing.give(std::string_view{file}.substr(0, at));
+    growing.feed(std::string_view{file}.substr(0, at));
     RecordingRepair::Result before;
     for (; at <= file.size(); ++at) {
         const auto result = growing.finish();
@@ -133,7 +133,7 @@ TEST_P(Repair, repairs_a_file_cut_at_every_byte_of_its_last_mebibyte) {
         } else if (result.append != before.append) {
             ASSERT_TRUE(result.is_whole || result.append.empty()) << at;    // within the end of the file
         }
-        if (at < file.size()) growing.give(std::string_view{file}.substr(at, 1));
+        if (at < file.size()) growing.feed(std::string_view{file}.substr(at, 1));
     }
     EXPECT_EQ(before.frames, frames);
     EXPECT_GT(files, 10u);
@@ -144,8 +144,8 @@ TEST_P(Repair, restores_the_same_bytes_if_a_file_is_cut_after_its_last_frame) {
     const std::string unended = support::write_recording(GetParam(), flight(40), head, false, 8);
     ASSERT_TRUE(file.starts_with(unended));
     RecordingRepair growing{GetParam()};
-    growing.give(unended);
-    for (std::size_t size = unended.size(); size < file.size(); growing.give(std::string_view{file}.substr(size++, 1))) {
+    growing.feed(unended);
+    for (std::size_t size = unended.size(); size < file.size(); growing.feed(std::string_view{file}.substr(size++, 1))) {
         if (GetParam() == RecordingFormat::mcap) {
             ASSERT_EQ(repaired(std::string_view{file}.substr(0, size), growing.finish()), file) << size;
         }
@@ -169,7 +169,7 @@ TEST_P(Repair, cuts_off_zeros_or_garbage_left_by_a_power_loss) {
 // As other programs check it; always true for pcapng, which has no checksum.
 bool has_the_checksum_that_it_tells(std::string_view file) {
     std::string_view rest = file.substr(mcap::magic.size());
-    while (const auto record = mcap::take_record(rest)) {
+    while (const auto record = mcap::next_record(rest)) {
         if (record->opcode != mcap::Opcode::data_end) continue;
         const auto data = file.substr(0, static_cast<std::size_t>(record->whole.data() - file.data()));
         return mcap::Fields{record->body}.number<std::uint32_t>() == crc32_of(data);
@@ -179,7 +179,7 @@ bool has_the_checksum_that_it_tells(std::string_view file) {
 
 bool has_indexes_right_behind_their_chunks(std::string_view file) {
     std::string_view rest = file.substr(mcap::magic.size());
-    while (const auto record = mcap::take_record(rest)) {
+    while (const auto record = mcap::next_record(rest)) {
         if (record->opcode != mcap::Opcode::chunk_index) continue;
         mcap::Fields fields{record->body};
         fields.bytes(2 * sizeof(std::uint64_t));    // times
@@ -204,7 +204,7 @@ TEST_P(Repair, keeps_a_damaged_part_if_valid_data_follows) {
     if (is_mcap) {
         std::string_view rest = std::string_view{file}.substr(mcap::magic.size());
         std::vector<std::size_t> ends;
-        while (const auto record = mcap::take_record(rest)) {
+        while (const auto record = mcap::next_record(rest)) {
             if (record->opcode != mcap::Opcode::chunk) continue;
             last = static_cast<std::size_t>(record->whole.data() - file.data());
             ends.push_back(last + record->whole.size());

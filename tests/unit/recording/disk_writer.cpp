@@ -39,14 +39,14 @@ protected:
         return *disk_;
     }
     /// A batch of numbered frames, as passed by the loop.
-    void take(int frames) {
+    void add(int frames) {
         auto batch = std::make_shared<std::string>();
         for (int i = 0; i < frames; ++i) {
             const support::Bytes bytes = support::numbered(1, 2, next_++);
             append(*batch, {std::uint64_t(next_), 7, 0, Direction::in, 0, 1, ano::FrameView{bytes}});
         }
         progress.in_flight += batch->size();
-        disk().take({.batch = batch});
+        disk().add({.batch = batch});
     }
     void turn(ano::Duration later = {}) { disk().turn(now += later); }
     void finish() { disk().finish(now); }
@@ -67,13 +67,13 @@ using DiskWriters = DiskWriterTest;
 
 TEST_F(DiskWriters, writes_the_frames_with_their_names_and_finishes_the_file) {
     turn();
-    ASSERT_TRUE(disk().takes_more());
-    disk().take({.names = std::make_shared<const RecordedNames>(RecordedNames{{"fc"}, {"serial"}, {"", "/dev/ttyS0"}})});
-    take(1);
+    ASSERT_TRUE(disk().accepts_more());
+    disk().add({.names = std::make_shared<const RecordedNames>(RecordedNames{{"fc"}, {"serial"}, {"", "/dev/ttyS0"}})});
+    add(1);
     auto batch = std::make_shared<std::string>();
     const support::Bytes bytes = support::frame(3, 4, 3, {1});
     append(*batch, {10, 7, 0, Direction::dropped, 1, FrameRecord::no_channel, ano::FrameView{bytes}});
-    disk().take({.batch = batch});
+    disk().add({.batch = batch});
     finish();
     EXPECT_EQ(disk().error(), "");
     const auto written = files();
@@ -94,7 +94,7 @@ TEST_F(DiskWriters, writes_the_frames_with_their_names_and_finishes_the_file) {
 
 TEST_F(DiskWriters, a_turn_writes_all_accepted_frames_into_the_file) {
     turn();
-    take(100);
+    add(100);
     turn();
     EXPECT_EQ(files().numbers, support::numbers_to(100));
     EXPECT_EQ(progress.frames, 100u);
@@ -126,12 +126,12 @@ TEST_F(DiskWriters, existing_files_are_never_overwritten) {
     fs::create_symlink(dir / "elsewhere", path("flight-2.pcapng"));
     dir.write("a/b/flight.pcapng", "mine");
     turn();
-    take(3);
+    add(3);
     finish();
     EXPECT_EQ(disk().file(), path("flight-3.pcapng"));
-    EXPECT_EQ(support::text_of(path("flight.pcapng")), "mine");
+    EXPECT_EQ(support::file_text(path("flight.pcapng")), "mine");
     EXPECT_FALSE(fs::exists(dir / "elsewhere"));
-    EXPECT_EQ(support::read_pcapng(support::text_of(path("flight-3.pcapng"))).items.size(), 3u);
+    EXPECT_EQ(support::read_pcapng(support::file_text(path("flight-3.pcapng"))).items.size(), 3u);
 }
 
 TEST_F(DiskWriters, a_file_name_cannot_leave_its_folder) {
@@ -145,10 +145,10 @@ TEST_F(DiskWriters, the_counts_of_the_current_file_are_reported_besides_the_tota
     settings.rotate_bytes = 10'000;
     turn();
     for (int i = 0; i < 50; ++i) {
-        take(20);
+        add(20);
         turn(1ms);
     }
-    take(3);
+    add(3);
     turn(1s);
     EXPECT_EQ(progress.frames, 1003u);
     EXPECT_EQ(progress.file_bytes, fs::file_size(disk().file()));
@@ -167,7 +167,7 @@ TEST_F(DiskWriters, the_next_file_begins_when_one_is_large_enough_and_nothing_is
     settings.rotate_bytes = 10'000;
     turn();
     for (int i = 0; i < 50; ++i) {
-        take(20);
+        add(20);
         turn(1ms);
     }
     finish();
@@ -192,7 +192,7 @@ TEST_F(DiskWriters, the_next_file_begins_when_one_is_old_enough_and_has_frames) 
     turn();
     turn(100s);
     EXPECT_EQ(files().files.size(), 1u) << "it has no frames";
-    take(5);
+    add(5);
     turn();
     EXPECT_EQ(files().files.size(), 2u);
     turn(100s);
@@ -203,10 +203,10 @@ TEST_F(DiskWriters, the_next_file_begins_when_one_is_old_enough_and_has_frames) 
 TEST_F(DiskWriters, the_age_of_a_file_counts_from_its_beginning) {
     settings.rotate_time = 60s;
     turn();
-    take(5);
+    add(5);
     turn(60s);
     EXPECT_EQ(files().files.size(), 2u);
-    take(5);
+    add(5);
     turn(59s);
     EXPECT_EQ(files().files.size(), 2u);
     turn(1s);
@@ -218,22 +218,22 @@ TEST_F(DiskWriters, the_age_of_a_file_counts_from_its_beginning) {
 
 TEST_F(DiskWriters, on_a_full_disk_the_file_stays_complete_and_continues_when_there_is_room) {
     turn();
-    take(10);
+    add(10);
     turn();
     const auto size = fs::file_size(path("flight.pcapng"));
     failing_disk.write_error = ENOSPC;
     failing_disk.room = 100;
-    take(10);
+    add(10);
     turn(1ms);
     EXPECT_EQ(disk().error(), path("flight.pcapng") + ": No space left on device");
-    EXPECT_FALSE(disk().takes_more());
+    EXPECT_FALSE(disk().accepts_more());
     EXPECT_EQ(fs::file_size(path("flight.pcapng")), size) << "no half frame";
     failing_disk.write_error = 0;
     turn(DiskWriter::try_again_after - 1ms);
     EXPECT_NE(disk().error(), "") << "it is not asked all the time";
     turn(1ms);
     EXPECT_EQ(disk().error(), "");
-    take(10);
+    add(10);
     finish();
     EXPECT_EQ(files().numbers, support::numbers_to(30));
     EXPECT_EQ(files().files.size(), 1u);
@@ -243,10 +243,10 @@ TEST_F(DiskWriters, on_a_full_disk_the_file_stays_complete_and_continues_when_th
 
 TEST_F(DiskWriters, frames_that_a_full_disk_does_not_accept_at_the_end_are_counted) {
     turn();
-    take(10);
+    add(10);
     turn();
     failing_disk.write_error = ENOSPC;
-    take(7);
+    add(7);
     finish();
     EXPECT_NE(disk().error(), "");
     EXPECT_EQ(progress.frames, 10u);
@@ -256,13 +256,13 @@ TEST_F(DiskWriters, frames_that_a_full_disk_does_not_accept_at_the_end_are_count
 
 TEST_F(DiskWriters, a_file_that_cannot_be_synced_is_abandoned_and_no_frame_is_written_twice) {
     turn();
-    take(10);
+    add(10);
     turn(DiskWriter::sync_time);
-    take(10);
+    add(10);
     turn(1ms);
     EXPECT_EQ(files().numbers, support::numbers_to(20));
     failing_disk.sync_error = EIO;
-    take(10);
+    add(10);
     turn(DiskWriter::sync_time);
     EXPECT_EQ(disk().error(), path("flight-2.pcapng") + ": Input/output error");
     EXPECT_EQ(files().numbers, support::numbers_to(10)) << "what is there for sure";
@@ -271,7 +271,7 @@ TEST_F(DiskWriters, a_file_that_cannot_be_synced_is_abandoned_and_no_frame_is_wr
     failing_disk.sync_error = 0;
     turn(DiskWriter::try_again_after);
     EXPECT_EQ(disk().error(), "");
-    take(10);
+    add(10);
     finish();
     EXPECT_EQ(files().numbers, support::numbers_to(40));
     EXPECT_EQ(files().files.size(), 2u);
@@ -283,10 +283,10 @@ TEST_F(DiskWriters, a_file_that_cannot_be_synced_is_abandoned_and_no_frame_is_wr
 
 TEST_F(DiskWriters, frames_that_a_disk_accepted_and_lost_for_lack_of_room_are_written_again) {
     turn();
-    take(10);
+    add(10);
     turn(DiskWriter::sync_time);
     failing_disk.sync_error = ENOSPC;    // as reported by a network file system
-    take(10);
+    add(10);
     turn(DiskWriter::sync_time);
     failing_disk.sync_error = 0;
     turn(DiskWriter::try_again_after);
@@ -306,28 +306,28 @@ TEST_F(DiskWriters, every_file_maps_link_numbers_as_when_the_frame_was_received)
         return all;
     };
     turn();
-    disk().take(named("a"));
-    take(1);
+    disk().add(named("a"));
+    add(1);
     turn(DiskWriter::sync_time);
-    take(1);
-    disk().take(named("b"));
-    take(1);
+    add(1);
+    disk().add(named("b"));
+    add(1);
     failing_disk.sync_error = EIO;
     turn(DiskWriter::sync_time);
     EXPECT_EQ(links(), "a ");
     failing_disk.sync_error = 0;
     turn(DiskWriter::try_again_after);
     EXPECT_EQ(links(), "a a b ");
-    take(1);
+    add(1);
     finish();
     EXPECT_EQ(links(), "a a b b ");
 }
 
 TEST_F(DiskWriters, frames_that_no_file_accepts_at_the_end_are_counted) {
     turn();
-    take(10);
+    add(10);
     turn(DiskWriter::sync_time);
-    take(10);
+    add(10);
     turn(1ms);
     failing_disk.sync_error = EIO;
     finish();
@@ -337,21 +337,21 @@ TEST_F(DiskWriters, frames_that_no_file_accepts_at_the_end_are_counted) {
 
 TEST_F(DiskWriters, frames_not_written_for_lack_of_memory_are_in_the_next_file) {
     turn();
-    take(10);
+    add(10);
     turn(DiskWriter::sync_time);
     failing_disk.lacks_memory = true;
-    take(10);
+    add(10);
     EXPECT_THROW(turn(), std::bad_alloc);
     disk().lacks_memory(now);
     EXPECT_EQ(disk().error(), "out of memory");
-    EXPECT_FALSE(disk().takes_more());
+    EXPECT_FALSE(disk().accepts_more());
     EXPECT_EQ(files().numbers, support::numbers_to(10)) << "what is there for sure";
     failing_disk.lacks_memory = false;
     turn(DiskWriter::try_again_after - 1ms);
     EXPECT_EQ(disk().error(), "out of memory");
     turn(1ms);
     EXPECT_EQ(disk().error(), "");
-    take(10);
+    add(10);
     finish();
     EXPECT_EQ(files().numbers, support::numbers_to(30));
     EXPECT_EQ(files().files.size(), 2u);
@@ -362,9 +362,9 @@ TEST_F(DiskWriters, frames_not_written_for_lack_of_memory_are_in_the_next_file) 
 
 TEST_F(DiskWriters, frames_not_written_for_lack_of_memory_at_the_end_are_counted) {
     turn();
-    take(10);
+    add(10);
     turn(DiskWriter::sync_time);
-    take(7);
+    add(7);
     failing_disk.lacks_memory = true;
     EXPECT_THROW(finish(), std::bad_alloc);
     disk().lacks_memory(now);
@@ -374,16 +374,16 @@ TEST_F(DiskWriters, frames_not_written_for_lack_of_memory_at_the_end_are_counted
 
 TEST_F(DiskWriters, after_a_file_was_removed_the_next_contains_the_frames_not_yet_saved) {
     turn();
-    take(10);
+    add(10);
     turn(DiskWriter::sync_time);
     fs::remove(path("flight.pcapng"));
-    take(10);
+    add(10);
     turn(1ms);
     turn(DiskWriter::look_time);
     EXPECT_EQ(disk().file(), path("flight-2.pcapng"));
     EXPECT_EQ(disk().error(), "");
     finish();
-    const auto second = support::read_pcapng(support::text_of(path("flight-2.pcapng")));
+    const auto second = support::read_pcapng(support::file_text(path("flight-2.pcapng")));
     ASSERT_EQ(second.items.size(), 10u);
     EXPECT_EQ(support::number_of(second.items[0].frame), 10);
     EXPECT_TRUE(second.has_end);
@@ -391,22 +391,22 @@ TEST_F(DiskWriters, after_a_file_was_removed_the_next_contains_the_frames_not_ye
 
 TEST_F(DiskWriters, a_file_that_was_moved_away_contains_the_frames_saved_until_then) {
     turn();
-    take(10);
+    add(10);
     turn(DiskWriter::sync_time);
     fs::rename(path("flight.pcapng"), dir / "moved.pcapng");
-    take(10);
+    add(10);
     turn(1ms);
     turn(DiskWriter::look_time);
     finish();
-    EXPECT_EQ(support::read_pcapng(support::text_of(dir / "moved.pcapng")).items.size(), 10u);
-    EXPECT_EQ(support::read_pcapng(support::text_of(path("flight-2.pcapng"))).items.size(), 10u);
+    EXPECT_EQ(support::read_pcapng(support::file_text(dir / "moved.pcapng")).items.size(), 10u);
+    EXPECT_EQ(support::read_pcapng(support::file_text(path("flight-2.pcapng"))).items.size(), 10u);
 }
 
 TEST_F(DiskWriters, the_frame_count_does_not_decrease_when_a_file_is_abandoned) {
     turn();
-    take(10);
+    add(10);
     turn(DiskWriter::sync_time);
-    take(10);
+    add(10);
     turn();
     ASSERT_EQ(progress.frames, 20u);
     ASSERT_GT(progress.in_flight, 0u);
@@ -419,32 +419,32 @@ TEST_F(DiskWriters, the_frame_count_does_not_decrease_when_a_file_is_abandoned) 
     turn(DiskWriter::try_again_after);
     ASSERT_EQ(disk().error(), "");
     EXPECT_EQ(progress.frames, 20u) << "none counts twice";
-    take(5);
+    add(5);
     finish();
     EXPECT_EQ(progress.frames, 25u);
 }
 
 TEST_F(DiskWriters, a_folder_that_was_removed_is_created_again) {
     turn();
-    take(10);
+    add(10);
     turn(DiskWriter::sync_time);
     fs::remove_all(dir / "a");
-    take(10);
+    add(10);
     turn(DiskWriter::look_time);
     EXPECT_EQ(disk().error(), "");
     finish();
-    EXPECT_EQ(support::read_pcapng(support::text_of(path("flight-2.pcapng"))).items.size(), 10u);
+    EXPECT_EQ(support::read_pcapng(support::file_text(path("flight-2.pcapng"))).items.size(), 10u);
 }
 
 TEST_F(DiskWriters, creating_a_file_is_retried_after_a_failure) {
     dir.write("a", "a file in the place of the folder");
     turn();
     EXPECT_EQ(disk().error(), settings.folder + ": Not a directory");
-    EXPECT_FALSE(disk().takes_more());
+    EXPECT_FALSE(disk().accepts_more());
     fs::remove(dir / "a");
     turn(DiskWriter::try_again_after);
     EXPECT_EQ(disk().error(), "");
-    EXPECT_TRUE(disk().takes_more());
+    EXPECT_TRUE(disk().accepts_more());
 }
 
 TEST_F(DiskWriters, reserved_free_space_is_not_written) {
@@ -456,10 +456,10 @@ TEST_F(DiskWriters, reserved_free_space_is_not_written) {
     settings.keep_free = 1000;
     turn(DiskWriter::try_again_after);
     EXPECT_EQ(disk().error(), "");
-    take(10);
+    add(10);
     turn();
     settings.keep_free = std::uint64_t{1} << 60;
-    take(10);
+    add(10);
     turn(DiskWriter::look_time);
     EXPECT_NE(disk().error(), "") << "looked at while it writes, too";
     EXPECT_EQ(files().numbers, support::numbers_to(10));
@@ -475,9 +475,9 @@ TEST_F(DiskWriters, losses_are_recorded_with_message_names) {
     lost.by_id[0x03] = 120;
     lost.by_id[0xEE] = 1;
     lost.count = 121;
-    take(1);
-    disk().take({.lost = std::make_shared<const LostFrames>(lost)});
-    take(1);
+    add(1);
+    disk().add({.lost = std::make_shared<const LostFrames>(lost)});
+    add(1);
     finish();
     EXPECT_EQ(files().lost, 121u);
     EXPECT_EQ(files().names, "euler 120, 0xEE 1");
@@ -507,7 +507,7 @@ TEST_F(DiskWriters, write_many_files_on_a_disk_that_limits_the_file_size) {
     const LimitOfFiles limit{20'000};
     turn();
     for (int i = 0; i < 50; ++i) {
-        take(20);
+        add(20);
         turn(DiskWriter::sync_time);
         ASSERT_EQ(disk().error(), "");
     }

@@ -186,7 +186,7 @@ TEST_F(RecordingsFolder, does_not_touch_files_that_are_being_written) {
     EXPECT_EQ(view_of(folder).files[0].state, State::recording);
     EXPECT_EQ(status_of(remove_recording(folder, "flight.pcapng")), 409u);
     EXPECT_TRUE(repair_recordings(folder).empty());
-    EXPECT_EQ(support::text_of(dir / "flight.pcapng"), recording(3, false));
+    EXPECT_EQ(support::file_text(dir / "flight.pcapng"), recording(3, false));
     RecordingAges ages;
     EXPECT_TRUE(delete_old(folder, {1, {}, 0}, ages, {std::chrono::seconds{2'000'000'000}, {}}).gone.empty());
 }
@@ -248,7 +248,7 @@ TEST_F(RecordingsFolder, repairs_files_cut_at_any_byte) {
         const auto repaired = repair_recordings(folder);
         ASSERT_EQ(repaired.size(), 1u) << size;
         EXPECT_EQ(repaired[0].fault, "");
-        const auto read = support::read_pcapng(support::text_of(dir / "flight.pcapng"));
+        const auto read = support::read_pcapng(support::file_text(dir / "flight.pcapng"));
         ASSERT_TRUE(read.has_end) << size;
         ASSERT_EQ(read.unfinished, 0u) << size;
         ASSERT_EQ(read.items.size(), repaired[0].frames) << size;
@@ -266,7 +266,7 @@ TEST_F(RecordingsFolder, discards_nothing_after_damage_in_the_middle) {
     const auto repaired = repair_recordings(folder);
     ASSERT_EQ(repaired.size(), 1u);
     EXPECT_NE(repaired[0].fault.find("damaged after byte 4999"), std::string::npos) << repaired[0].fault;
-    EXPECT_EQ(support::text_of(dir / "flight.pcapng"), damaged);
+    EXPECT_EQ(support::file_text(dir / "flight.pcapng"), damaged);
 }
 
 TEST_F(RecordingsFolder, removes_the_zeros_that_a_power_loss_left) {
@@ -276,7 +276,7 @@ TEST_F(RecordingsFolder, removes_the_zeros_that_a_power_loss_left) {
     ASSERT_EQ(repaired.size(), 1u);
     EXPECT_EQ(repaired[0].fault, "");
     EXPECT_EQ(repaired[0].frames, 1000u);
-    const auto read = support::read_pcapng(support::text_of(dir / "flight.pcapng"));
+    const auto read = support::read_pcapng(support::file_text(dir / "flight.pcapng"));
     EXPECT_TRUE(read.has_end);
     EXPECT_EQ(read.items.size(), 1000u);
 }
@@ -288,7 +288,7 @@ TEST_F(RecordingsFolder, repairs_only_files_that_the_gateway_wrote_and_keeps_the
     const auto long_ago = fs::file_time_type::clock::now() - std::chrono::hours{50};
     fs::last_write_time(dir / "flight.pcapng", long_ago);
     ASSERT_EQ(repair_recordings(folder).size(), 1u);
-    EXPECT_EQ(support::text_of(dir / "foreign.pcapng"), foreign);
+    EXPECT_EQ(support::file_text(dir / "foreign.pcapng"), foreign);
     EXPECT_EQ(std::chrono::floor<std::chrono::seconds>(fs::last_write_time(dir / "flight.pcapng")),
               std::chrono::floor<std::chrono::seconds>(long_ago));
 }
@@ -356,7 +356,7 @@ TEST_F(RecordingsFolder, saves_frames_from_memory_unchanged) {
     struct stat is {};
     ASSERT_EQ(::stat((dir / "new/folder/last.pcapng").c_str(), &is), 0);
     EXPECT_EQ(is.st_mode & 07777, 0640u);
-    const auto read = support::read_pcapng(support::text_of(dir / "new/folder/last.pcapng"));
+    const auto read = support::read_pcapng(support::file_text(dir / "new/folder/last.pcapng"));
     ASSERT_EQ(read.items.size(), 6001u);
     EXPECT_TRUE(read.has_end);
     EXPECT_EQ(read.items[0].link, "fc");

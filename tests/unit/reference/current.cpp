@@ -37,7 +37,7 @@ using namespace reference;
 void is_current(const std::string& file, const std::string& made) {
     const auto path = support::source_file(file);
     if (std::getenv("ANOGATE_UPDATE")) std::ofstream{path} << made;
-    EXPECT_EQ(support::text_of(path), made) << "run tools/update-generated and commit " << file;
+    EXPECT_EQ(support::file_text(path), made) << "run tools/update-generated and commit " << file;
 }
 
 TEST(Manual, in_the_repository_matches_the_tables) {

@@ -33,7 +33,7 @@ Bytes rows(unsigned flag, std::uint8_t color, unsigned width, unsigned height, c
 /// The pixels of the image that these rows complete; empty: none.
 Bytes ended(ImageRows& images, const Bytes& data, std::uint64_t time_ns = second, std::uint64_t sender = 1) {
     const ano::Reading reading = ano::read(image_id, data);
-    const WholeImage* const image = reading ? images.hear(sender, reading, time_ns) : nullptr;
+    const WholeImage* const image = reading ? images.receive(sender, reading, time_ns) : nullptr;
     return image != nullptr ? Bytes(image->pixels.begin(), image->pixels.end()) : Bytes{};
 }
 
@@ -98,9 +98,9 @@ TEST(StandardMessages, an_image_is_published_when_it_is_complete) {
     StandardMessages camera{"fc/device_223", &images, 1}, without{"fc/device_224"};
     const Bytes first = rows(1, 0, 2, 2, {1, 2}), second_row = rows(1, 0, 2, 2, {3, 4});
     const std::uint64_t now = 1'700'000'000 * second;
-    EXPECT_TRUE(camera.hear(ano::read(image_id, first), now).empty());
+    EXPECT_TRUE(camera.receive(ano::read(image_id, first), now).empty());
     const ano::Reading reading = ano::read(image_id, second_row);
-    const auto told = camera.hear(reading, now + 5);
+    const auto told = camera.receive(reading, now + 5);
     ASSERT_EQ(told.size(), 1u);
     EXPECT_EQ(told[0], StandardTopic::image_raw);
     const StandardRow& row = standard_row(told[0]);
@@ -116,8 +116,8 @@ TEST(StandardMessages, an_image_is_published_when_it_is_complete) {
     EXPECT_EQ(image["step"], 2);
     EXPECT_EQ(image["encoding"], "mono8");
     EXPECT_EQ(image["data"], (ano::Json{1, 2, 3, 4}));
-    without.hear(ano::read(image_id, first), now);
-    EXPECT_TRUE(without.hear(reading, now).empty());
+    without.receive(ano::read(image_id, first), now);
+    EXPECT_TRUE(without.receive(reading, now).empty());
 }
 
 }    // namespace

@@ -29,13 +29,13 @@ struct HeardDevice {
     std::vector<std::string> topics;    // of the last frame
     std::map<std::string, ano::Json> last;
 
-    void hear(std::uint8_t id, const Bytes& data) {
+    void receive(std::uint8_t id, const Bytes& data) {
         topics.clear();
         const ano::Reading reading = ano::read(id, data);
         ASSERT_TRUE(reading);
         CdrEncoder encoder;
         ValueList values;
-        for (const StandardTopic topic : messages.hear(reading, now_ns)) {
+        for (const StandardTopic topic : messages.receive(reading, now_ns)) {
             values.clear();
             messages.append_values(topic, values);
             const StandardRow& row = standard_row(topic);
@@ -77,7 +77,7 @@ const double half = std::sqrt(0.5);
 
 TEST(StandardMessages, an_imu_is_in_metres_and_radians) {
     HeardDevice device;
-    device.hear(0x01, inertial);
+    device.receive(0x01, inertial);
     EXPECT_EQ(device.topics, std::vector<std::string>{"imu"});
     const ano::Json& imu = device.at("imu");
     EXPECT_EQ(imu["header"]["stamp"]["sec"], 1'700'000'000);
@@ -90,23 +90,23 @@ TEST(StandardMessages, an_imu_is_in_metres_and_radians) {
 
 TEST(StandardMessages, an_imu_reports_that_its_orientation_is_unknown) {
     HeardDevice device;
-    device.hear(0x01, inertial);
+    device.receive(0x01, inertial);
     EXPECT_EQ(device.at("imu")["orientation_covariance"][0], -1.0);
     expect_rotation(device.at("imu")["orientation"], 1, 0, 0, 0);
-    device.hear(0x03, shorts({0, 0, 9000}) + Bytes{1});
+    device.receive(0x03, shorts({0, 0, 9000}) + Bytes{1});
     device.now_ns += second;
-    device.hear(0x01, inertial);
+    device.receive(0x01, inertial);
     EXPECT_EQ(device.at("imu")["orientation_covariance"][0], 0.0);
     expect_rotation(device.at("imu")["orientation"], half, 0, 0, half);
     ++device.now_ns;
-    device.hear(0x01, inertial);
+    device.receive(0x01, inertial);
     EXPECT_EQ(device.at("imu")["orientation_covariance"][0], -1.0);
 }
 
 TEST(StandardMessages, angles_turn_about_x_then_y_then_z) {
     HeardDevice device;
     const auto orientation = [&](int roll, int pitch, int yaw) {
-        device.hear(0x03, shorts({roll, pitch, yaw}) + Bytes{1});
+        device.receive(0x03, shorts({roll, pitch, yaw}) + Bytes{1});
         EXPECT_EQ(device.topics, std::vector<std::string>{"orientation"});
         EXPECT_EQ(device.at("orientation")["header"]["frame_id"], "fc/device_5/odom");
         return device.at("orientation")["quaternion"];
@@ -120,31 +120,31 @@ TEST(StandardMessages, angles_turn_about_x_then_y_then_z) {
 
 TEST(StandardMessages, angles_with_a_mode_are_converted_alike) {
     HeardDevice device;
-    device.hear(0x03, Bytes{1} + shorts({0, 0, -9000}) + Bytes{1});
+    device.receive(0x03, Bytes{1} + shorts({0, 0, -9000}) + Bytes{1});
     EXPECT_EQ(device.topics, std::vector<std::string>{"orientation"});
     expect_rotation(device.at("orientation")["quaternion"], half, 0, 0, -half);
 }
 
 TEST(StandardMessages, a_quaternion_is_preferred_to_angles) {
     HeardDevice device;
-    device.hear(0x04, shorts({7071, 0, 0, -7071}) + Bytes{1});
+    device.receive(0x04, shorts({7071, 0, 0, -7071}) + Bytes{1});
     expect_rotation(device.at("orientation")["quaternion"], half, 0, 0, -half);
-    device.hear(0x03, shorts({0, 0, 9000}) + Bytes{1});
+    device.receive(0x03, shorts({0, 0, 9000}) + Bytes{1});
     EXPECT_TRUE(device.topics.empty());
-    device.hear(0x01, inertial);
+    device.receive(0x01, inertial);
     expect_rotation(device.at("imu")["orientation"], half, 0, 0, -half);
     device.now_ns += 2 * second;
-    device.hear(0x03, shorts({0, 0, 9000}) + Bytes{1});
+    device.receive(0x03, shorts({0, 0, 9000}) + Bytes{1});
     expect_rotation(device.at("orientation")["quaternion"], half, 0, 0, half);
 }
 
 TEST(StandardMessages, invalid_quaternions_are_ignored) {
     HeardDevice device;
-    device.hear(0x04, shorts({0, 0, 0, 0}) + Bytes{0});
+    device.receive(0x04, shorts({0, 0, 0, 0}) + Bytes{0});
     EXPECT_TRUE(device.topics.empty());
-    device.hear(0x04, shorts({10000, 10000, 0, 0}) + Bytes{0});
+    device.receive(0x04, shorts({10000, 10000, 0, 0}) + Bytes{0});
     EXPECT_TRUE(device.topics.empty());
-    device.hear(0x01, inertial);
+    device.receive(0x01, inertial);
     EXPECT_EQ(device.at("imu")["orientation_covariance"][0], -1.0);
 }
 
@@ -152,7 +152,7 @@ TEST(StandardMessages, a_compass_is_a_field_in_tesla_and_a_temperature) {
     HeardDevice device;
     for (const Bytes& data : {shorts({300, 0, -400, 253}) + Bytes{1}, shorts({300, 0, -400, 5, 0, 253}) + Bytes{1, 1}}) {
         device.last.clear();
-        device.hear(0x02, data);
+        device.receive(0x02, data);
         EXPECT_EQ(device.topics, (std::vector<std::string>{"magnetic_field", "temperature"}));
         expect_vector(device.at("magnetic_field")["magnetic_field"], 30e-6, 0, -40e-6);
         EXPECT_EQ(device.at("temperature")["temperature"], 25.3);
@@ -162,13 +162,13 @@ TEST(StandardMessages, a_compass_is_a_field_in_tesla_and_a_temperature) {
 TEST(StandardMessages, odometry_has_its_speed_along_the_axes_of_the_vehicle) {
     HeardDevice device;
     const Bytes position = longs({100, -250, 1000});
-    device.hear(0x08, position);
+    device.receive(0x08, position);
     EXPECT_EQ(device.topics, std::vector<std::string>{"point"});
     expect_vector(device.at("point")["point"], 1, -2.5, 10);
-    device.hear(0x03, shorts({0, 0, 9000}) + Bytes{1});    // the nose along y
-    device.hear(0x07, shorts({0, 300, 50}));
+    device.receive(0x03, shorts({0, 0, 9000}) + Bytes{1});    // the nose along y
+    device.receive(0x07, shorts({0, 300, 50}));
     expect_vector(device.at("linear_velocity")["vector"], 0, 3, 0.5);
-    device.hear(0x08, position);
+    device.receive(0x08, position);
     EXPECT_EQ(device.topics, (std::vector<std::string>{"point", "odometry"}));
     const ano::Json& odometry = device.at("odometry");
     EXPECT_EQ(odometry["header"]["frame_id"], "fc/device_5/odom");
@@ -178,8 +178,8 @@ TEST(StandardMessages, odometry_has_its_speed_along_the_axes_of_the_vehicle) {
     expect_vector(odometry["twist"]["twist"]["linear"], 3, 0, 0.5);
     for (const std::size_t i : {21u, 28u, 35u}) EXPECT_EQ(odometry["twist"]["covariance"][i], -1.0);
     EXPECT_EQ(odometry["twist"]["covariance"][0], 0.0);
-    device.hear(0x01, inertial);
-    device.hear(0x08, position);
+    device.receive(0x01, inertial);
+    device.receive(0x08, position);
     expect_vector(device.at("odometry")["twist"]["twist"]["angular"], 1000 * std::numbers::pi / 180,
                   -500 * std::numbers::pi / 180, 0);
     EXPECT_EQ(device.at("odometry")["twist"]["covariance"][21], 0.0);
@@ -187,21 +187,21 @@ TEST(StandardMessages, odometry_has_its_speed_along_the_axes_of_the_vehicle) {
 
 TEST(StandardMessages, a_speed_is_rotated_back_about_all_axes) {
     HeardDevice device;
-    device.hear(0x03, shorts({9000, 0, 9000}) + Bytes{1});    // the nose along y, its left side up
-    device.hear(0x07, shorts({100, 200, 300}));
-    device.hear(0x08, longs({0, 0, 0}));
+    device.receive(0x03, shorts({9000, 0, 9000}) + Bytes{1});    // the nose along y, its left side up
+    device.receive(0x07, shorts({100, 200, 300}));
+    device.receive(0x08, longs({0, 0, 0}));
     expect_vector(device.at("odometry")["twist"]["twist"]["linear"], 2, 3, 1);
 }
 
 TEST(StandardMessages, a_position_without_height_has_no_standard_message) {
     HeardDevice device;
-    device.hear(0x08, longs({100, -250}));
+    device.receive(0x08, longs({100, -250}));
     EXPECT_TRUE(device.topics.empty());
 }
 
 TEST(StandardMessages, a_discharging_battery_has_a_negative_current) {
     HeardDevice device;
-    device.hear(0x0D, shorts({1234, 250}));
+    device.receive(0x0D, shorts({1234, 250}));
     const ano::Json battery = device.at("battery");
     EXPECT_NEAR(battery["voltage"].get<double>(), 12.34, 1e-6);
     EXPECT_EQ(battery["current"], -2.5);
@@ -211,7 +211,7 @@ TEST(StandardMessages, a_discharging_battery_has_a_negative_current) {
     EXPECT_EQ(battery["present"], true);
     EXPECT_TRUE(battery["cell_voltage"].empty());
     EXPECT_EQ(battery["serial_number"], "");
-    device.hear(0x0D, shorts({1234, 250, 500, 100, 0}));
+    device.receive(0x0D, shorts({1234, 250, 500, 100, 0}));
     EXPECT_EQ(device.at("battery"), battery);
 }
 
@@ -221,7 +221,7 @@ Bytes gps(std::uint8_t fix) {
 
 TEST(StandardMessages, a_fix_is_in_degrees_and_its_speed_to_the_east) {
     HeardDevice device;
-    device.hear(0x30, gps(3));
+    device.receive(0x30, gps(3));
     EXPECT_EQ(device.topics, (std::vector<std::string>{"fix", "fix_velocity"}));
     const ano::Json& fix = device.at("fix");
     EXPECT_EQ(fix["status"]["status"], 0);
@@ -237,26 +237,26 @@ TEST(StandardMessages, a_fix_is_in_degrees_and_its_speed_to_the_east) {
 TEST(StandardMessages, without_a_fix_there_is_no_position) {
     HeardDevice device;
     for (const std::uint8_t fix : Bytes{0, 1, 5, 255}) {
-        device.hear(0x30, gps(fix));
+        device.receive(0x30, gps(fix));
         EXPECT_EQ(device.topics, std::vector<std::string>{"fix"}) << int{fix};
         EXPECT_EQ(device.at("fix")["status"]["status"], -1);
         for (const char* key : {"latitude", "longitude", "altitude"}) EXPECT_TRUE(device.at("fix")[key].is_null()) << key;
     }
-    device.hear(0x30, gps(2));
+    device.receive(0x30, gps(2));
     EXPECT_FALSE(device.at("fix")["latitude"].is_null());
     EXPECT_TRUE(device.at("fix")["altitude"].is_null());
 }
 
 TEST(StandardMessages, unknown_values_of_an_external_sensor_are_not_published) {
     HeardDevice device;
-    device.hear(0x32, longs({1000, -2000, 3000}));
+    device.receive(0x32, longs({1000, -2000, 3000}));
     expect_vector(device.at("external_point")["point"], 1, -2, 3);
-    device.hear(0x33, shorts({100, -200, 300}));
+    device.receive(0x33, shorts({100, -200, 300}));
     expect_vector(device.at("external_velocity")["vector"], 1, -2, 3);
     EXPECT_EQ(device.at("external_velocity")["header"]["frame_id"], "fc/device_5");
-    device.hear(0x32, longs({1000, INT32_MIN, 3000}));
+    device.receive(0x32, longs({1000, INT32_MIN, 3000}));
     EXPECT_TRUE(device.topics.empty());
-    device.hear(0x33, shorts({100, -200, INT16_MIN}));
+    device.receive(0x33, shorts({100, -200, INT16_MIN}));
     EXPECT_TRUE(device.topics.empty());
 }
 
@@ -265,20 +265,20 @@ TEST(StandardMessages, a_range_has_the_frame_of_its_direction) {
     const std::vector<std::string> names{"range_down",  "range_forward", "range_back", "range_left",
                                          "range_right", "range_up",      "range_down"};
     for (std::size_t type = 0; type < names.size(); ++type) {
-        device.hear(0x34, Bytes{static_cast<std::uint8_t>(type)} + longs({1500}));
+        device.receive(0x34, Bytes{static_cast<std::uint8_t>(type)} + longs({1500}));
         ASSERT_EQ(device.topics, std::vector<std::string>{names[type]});
         EXPECT_EQ(device.at(names[type])["range"], 1.5);
         EXPECT_EQ(device.at(names[type])["header"]["frame_id"], "fc/device_5/" + names[type]);
     }
-    device.hear(0x34, Bytes{1} + longs({-7}));
+    device.receive(0x34, Bytes{1} + longs({-7}));
     EXPECT_TRUE(device.at("range_forward")["range"].is_null());
-    device.hear(0x34, Bytes{1, 1, 2, 3, 4, 5, 6});
+    device.receive(0x34, Bytes{1, 1, 2, 3, 4, 5, 6});
     EXPECT_TRUE(device.topics.empty());
 }
 
 TEST(StandardMessages, a_scan_is_ordered_clockwise) {
     HeardDevice device;
-    device.hear(0x34, Bytes{100} + shorts({0, 250, 9000, 100, 18000, 0, 27000, 300}));    // ahead, right, none behind, left
+    device.receive(0x34, Bytes{100} + shorts({0, 250, 9000, 100, 18000, 0, 27000, 300}));    // ahead, right, none behind, left
     EXPECT_EQ(device.topics, std::vector<std::string>{"scan"});
     const ano::Json& scan = device.at("scan");
     EXPECT_EQ(scan["header"]["frame_id"], "fc/device_5");
@@ -291,7 +291,7 @@ TEST(StandardMessages, a_scan_is_ordered_clockwise) {
     const std::vector<double> expected{2.5, 0, 0, 0, -1, 0, 0, 3, 0};
     ASSERT_EQ(data.size(), 4 * expected.size());
     for (std::size_t i = 0; i < expected.size(); ++i) EXPECT_NEAR(ano::load<float>(data.data() + 4 * i), expected[i], 1e-6) << i;
-    device.hear(0x34, Bytes{100});
+    device.receive(0x34, Bytes{100});
     EXPECT_EQ(device.at("scan")["width"], 0);
 }
 
@@ -303,7 +303,7 @@ TEST(StandardMessages, no_topic_has_the_name_of_a_message_of_the_table) {
 TEST(StandardMessages, a_time_beyond_2038_becomes_the_largest_time) {
     HeardDevice device;
     device.now_ns = UINT64_MAX;
-    device.hear(0x0D, shorts({1, 2}));
+    device.receive(0x0D, shorts({1, 2}));
     EXPECT_EQ(device.at("battery")["header"]["stamp"]["sec"], INT32_MAX);
 }
 

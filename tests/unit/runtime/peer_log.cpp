@@ -16,7 +16,7 @@ protected:
     std::vector<std::string> after(int times, ano::TimePoint now) {
         for (int i = 0; i < times; ++i)
             i % 2 ? peers.went("ground", "p", "it closed the connection", now) : peers.came("ground", "p", now);
-        return lines.take();
+        return lines.pop_all();
     }
     void until_the_alarm() {
         io.restart();
@@ -38,7 +38,7 @@ TEST_F(Peers, are_logged_in_at_most_32_lines_in_five_seconds_and_one_for_the_res
         EXPECT_EQ(said[0], "ground: peer p");
         EXPECT_EQ(said[1], "ground: peer p is gone: it closed the connection");
         until_the_alarm();
-        EXPECT_EQ(lines.take(), Lines{std::to_string(more) + " more peers came or went"})
+        EXPECT_EQ(lines.pop_all(), Lines{std::to_string(more) + " more peers came or went"})
             << "and the next five seconds have lines of their own";
         now += 5s;
     }
@@ -47,9 +47,9 @@ TEST_F(Peers, are_logged_in_at_most_32_lines_in_five_seconds_and_one_for_the_res
 TEST_F(Peers, that_connected_just_before_the_end_are_logged_at_the_end) {
     after(33, ano::Clock::now());
     peers.finish();
-    EXPECT_EQ(lines.take(), Lines{"1 more peers came or went"});
+    EXPECT_EQ(lines.pop_all(), Lines{"1 more peers came or went"});
     until_the_alarm();
-    EXPECT_EQ(lines.take(), Lines{});
+    EXPECT_EQ(lines.pop_all(), Lines{});
 }
 
 }    // namespace

@@ -13,9 +13,9 @@ using Lines = std::vector<std::string>;
 
 class StandstillLines : public testing::Test {
 protected:
-    Lines stood(ano::TimePoint now, bool is_told = true) {
-        log.stood({.stood = 1500ms, .is_told = is_told}, now);
-        return lines.take();
+    Lines stood(ano::TimePoint now, bool is_reported = true) {
+        log.stood({.stood = 1500ms, .is_reported = is_reported}, now);
+        return lines.pop_all();
     }
 
     support::LogLines lines;
@@ -33,13 +33,13 @@ TEST_F(StandstillLines, are_five_at_once_and_then_one_in_ten_seconds) {
     EXPECT_EQ(stood(start + 20s), Lines{line[0] + "; 1 more times before"});
     EXPECT_EQ(stood(start + 21s), Lines{});
     log.finish();
-    EXPECT_EQ(lines.take(), Lines{"stalled 1 more times"});
+    EXPECT_EQ(lines.pop_all(), Lines{"stalled 1 more times"});
 }
 
 TEST_F(StandstillLines, are_not_logged_for_stalls_that_are_too_short) {
     EXPECT_EQ(stood(start, false), Lines{});
     log.finish();
-    EXPECT_EQ(lines.take(), Lines{});
+    EXPECT_EQ(lines.pop_all(), Lines{});
 }
 
 }    // namespace

@@ -25,7 +25,7 @@ StoredState sample() {
 
 TEST(StoredState, is_read_as_it_was_written) {
     const StoredState state = sample();
-    const auto read = parse_stored_state(text_of(state), now);
+    const auto read = parse_stored_state(to_string(state), now);
     ASSERT_TRUE(read);
     EXPECT_EQ(read->unread_since.now, state.unread_since.now);
     EXPECT_EQ(read->unread_since.boot, state.unread_since.boot);
@@ -40,7 +40,7 @@ TEST(StoredState, is_read_as_it_was_written) {
         EXPECT_EQ(one.link.peers[i].endpoint, was.link.peers[i].endpoint);
         EXPECT_EQ(one.link.peers[i].memory.heard_at, was.link.peers[i].memory.heard_at);
         EXPECT_EQ(one.link.peers[i].memory.is_host, was.link.peers[i].memory.is_host);
-        EXPECT_EQ(one.link.peers[i].memory.came_again, was.link.peers[i].memory.came_again);
+        EXPECT_EQ(one.link.peers[i].memory.has_returned, was.link.peers[i].memory.has_returned);
         EXPECT_EQ(one.link.peers[i].is_proven, was.link.peers[i].is_proven);
     }
     ASSERT_EQ(one.channels.size(), 1u);
@@ -59,9 +59,9 @@ TEST(StoredState, is_read_as_it_was_written) {
 }
 
 TEST(StoredState, of_another_boot_is_not_used) {
-    EXPECT_FALSE(parse_stored_state(text_of(sample()), {now.now - 2s, now.boot, now.real})) << "the machine was started since";
-    EXPECT_FALSE(parse_stored_state(text_of(sample()), {now.now, now.boot - 2s, now.real}));
-    EXPECT_TRUE(parse_stored_state(text_of(sample()), {now.now, now.boot, now.real - 1h})) << "somebody set the clock";
+    EXPECT_FALSE(parse_stored_state(to_string(sample()), {now.now - 2s, now.boot, now.real})) << "the machine was started since";
+    EXPECT_FALSE(parse_stored_state(to_string(sample()), {now.now, now.boot - 2s, now.real}));
+    EXPECT_TRUE(parse_stored_state(to_string(sample()), {now.now, now.boot, now.real - 1h})) << "somebody set the clock";
 }
 
 TEST(StoredState, limits_times_in_the_future_to_now) {
@@ -69,7 +69,7 @@ TEST(StoredState, limits_times_in_the_future_to_now) {
     state.links[0].link.peers[0].memory.heard_at = now.now + 1h;
     state.links[0].channels[0].addresses[0].heard_at = now.now + 1h;
     state.links[0].brought[0].at = now.now + 1h;
-    const auto read = parse_stored_state(text_of(state), now);
+    const auto read = parse_stored_state(to_string(state), now);
     ASSERT_TRUE(read);
     EXPECT_EQ(read->links[0].link.peers[0].memory.heard_at, now.now);
     EXPECT_EQ(read->links[0].channels[0].addresses[0].heard_at, now.now);
@@ -77,7 +77,7 @@ TEST(StoredState, limits_times_in_the_future_to_now) {
 }
 
 TEST(StoredState, is_older_by_the_time_that_the_machine_was_suspended) {
-    const auto read = parse_stored_state(text_of(sample()), {now.now, now.boot + 1h, now.real + 1h});
+    const auto read = parse_stored_state(to_string(sample()), {now.now, now.boot + 1h, now.real + 1h});
     ASSERT_TRUE(read);
     EXPECT_EQ(read->links[0].link.peers[0].memory.heard_at, now.now - 2s - 1h);
     EXPECT_EQ(read->links[0].channels[0].addresses[1].heard_at, now.now - 4s - 1h);
@@ -85,7 +85,7 @@ TEST(StoredState, is_older_by_the_time_that_the_machine_was_suspended) {
 }
 
 TEST(StoredState, that_is_damaged_is_not_used) {
-    const std::string whole = text_of(sample());
+    const std::string whole = to_string(sample());
     for (std::size_t size = 0; size < whole.size(); ++size) EXPECT_FALSE(parse_stored_state(whole.substr(0, size), now)) << size;
     for (const char* text :
          {"[]", "{}", "7", R"({"format": 1, "unread_since": [0, 0, 0], "links": []})",

@@ -69,7 +69,7 @@ TEST(Metrics, has_the_state_of_links_and_of_the_gateway) {
     snapshot.version = "1.2.3";
     snapshot.uptime_s = 12.5;
     snapshot.conflicts = 2;
-    snapshot.gave_way = 5;
+    snapshot.evicted = 5;
     snapshot.routes = {{"own", 1}, {"learned", 3}};
     snapshot.links = {link_called("fc", {""}), link_called("ground")};
     snapshot.links[0].up = true;
@@ -77,7 +77,7 @@ TEST(Metrics, has_the_state_of_links_and_of_the_gateway) {
     snapshot.links[0].since_s = 3;
     snapshot.links[0].hint_id = "silent";
     snapshot.links[0].certificate_days = 13;
-    snapshot.links[0].handshakes_gave_way = 7;
+    snapshot.links[0].evicted_handshakes = 7;
     snapshot.links[0].channels[0].silent_s = 4.5;
     snapshot.process.open_fds = 9;
     const std::string text = metrics(snapshot, MetricsForm::prometheus);

@@ -17,7 +17,7 @@ TEST(MetricsText, lists_one_family_after_the_other) {
         text.sample({}, 1.5);
         text.family("anogate_build", MetricType::info, "what runs");
         text.sample({{"version", "1"}}, std::uint64_t{1});
-        return text.take();
+        return text.finish();
     };
     EXPECT_EQ(written(MetricsForm::prometheus),
               "# HELP anogate_link_frames_in_total good frames\n"
@@ -49,7 +49,7 @@ std::string labelled(std::string_view value) {
     MetricsText text{MetricsForm::prometheus};
     text.family("a", MetricType::gauge, "b");
     text.sample({{"l", value}}, std::uint64_t{1});
-    const std::string all = text.take();
+    const std::string all = text.finish();
     return all.substr(all.find("a{"));
 }
 
@@ -65,7 +65,7 @@ TEST(MetricsText, writes_infinities_and_nan_as_words) {
     text.sample({}, std::numeric_limits<double>::infinity());
     text.sample({}, -std::numeric_limits<double>::infinity());
     text.sample({}, std::numeric_limits<double>::quiet_NaN());
-    const std::string all = text.take();
+    const std::string all = text.finish();
     EXPECT_EQ(all.substr(all.find("a +")), "a +Inf\na -Inf\na NaN\n");
 }
 

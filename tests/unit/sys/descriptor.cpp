@@ -25,7 +25,7 @@ struct DescriptorInLoop : testing::Test {
         there = UniqueFd{ends[1]};
     }
     /// Makes it readable, and runs the resulting calls.
-    void say() {
+    void send() {
         EXPECT_EQ(::write(there.get(), "x", 1), 1);
         for (int i = 0; i < 3; ++i) loop.turn();
     }
@@ -44,7 +44,7 @@ struct DescriptorInLoop : testing::Test {
 TEST_F(DescriptorInLoop, calls_each_time_there_is_something_to_read) {
     descriptor.read_with([this] { read(); });
     for (int said = 1; said <= 3; ++said) {
-        say();
+        send();
         EXPECT_EQ(calls, said);
     }
 }
@@ -53,7 +53,7 @@ TEST_F(DescriptorInLoop, does_not_call_after_reading_is_stopped) {
     descriptor.read_with([this] { read(); });
     loop.turn();
     descriptor.stop_reading();
-    say();
+    send();
     EXPECT_EQ(calls, 0);
 }
 
@@ -64,7 +64,7 @@ TEST_F(DescriptorInLoop, calls_once_each_time_after_reading_was_stopped_and_rest
         loop.turn();
     }
     for (int said = 1; said <= 3; ++said) {
-        say();
+        send();
         EXPECT_EQ(calls, said);
     }
 }

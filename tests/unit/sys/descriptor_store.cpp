@@ -34,7 +34,7 @@ bool environment_is_clean() {
 TEST(DescriptorStore, returns_descriptors_passed_to_this_process) {
     EXPECT_EQ(support::Child{[] {
                   pass_one(::getpid());
-                  const auto taken = take_descriptors();
+                  const auto taken = receive_descriptors();
                   if (taken.size() != 1 || taken[0].first != "wire" || taken[0].second.get() != passed) return 1;
                   return ::fcntl(passed, F_GETFD) == FD_CLOEXEC && environment_is_clean() ? 0 : 2;
               }}.wait(),
@@ -44,7 +44,7 @@ TEST(DescriptorStore, returns_descriptors_passed_to_this_process) {
 TEST(DescriptorStore, ignores_descriptors_passed_to_another_process) {
     EXPECT_EQ(support::Child{[] {
                   pass_one(::getppid());
-                  if (!take_descriptors().empty()) return 1;
+                  if (!receive_descriptors().empty()) return 1;
                   return ::fcntl(passed, F_GETFD) == 0 && environment_is_clean() ? 0 : 2;
               }}.wait(),
               0);

@@ -16,52 +16,52 @@ ano::TimePoint at(std::chrono::milliseconds time) { return ano::TimePoint{} + 1h
 TEST(WaitingPlaces, the_oldest_connection_of_the_address_with_the_most_is_dropped) {
     std::vector<WaitingConnection> all{{1, at(0ms), Stage::begun}};
     for (int i = 1; i <= 10; ++i) all.push_back({2, at(i * 1ms), Stage::begun});
-    EXPECT_EQ(gives_way(all, false), 1u);
+    EXPECT_EQ(next_evicted(all, false), 1u);
     all[1].stage = Stage::at_work;
-    EXPECT_EQ(gives_way(all, false), 2u) << "one that is worked at stays";
+    EXPECT_EQ(next_evicted(all, false), 2u) << "one that is worked at stays";
 }
 
 TEST(WaitingPlaces, silent_connections_of_a_flood_are_dropped_first) {
     std::vector<WaitingConnection> all{{1000, at(0ms), Stage::begun}, {1000, at(0ms), Stage::its_turn}};
     for (std::uint64_t i = 1; i <= 100; ++i) all.push_back({i, at(1ms), Stage::silent});
-    EXPECT_EQ(gives_way(all, false), 2u);
+    EXPECT_EQ(next_evicted(all, false), 2u);
 }
 
 TEST(WaitingPlaces, connections_of_a_flood_of_first_messages_are_dropped_before_a_new_connection) {
     std::vector<WaitingConnection> all{{1000, at(0ms), Stage::silent}};
     for (std::uint64_t i = 1; i <= 100; ++i) all.push_back({i, at(1ms), Stage::begun});
-    EXPECT_EQ(gives_way(all, false), 1u);
+    EXPECT_EQ(next_evicted(all, false), 1u);
 }
 
 TEST(WaitingPlaces, a_few_connections_of_one_address_count_as_one) {
     std::vector<WaitingConnection> all;
     for (int i = 0; i < 4; ++i) all.push_back({1000, at(10ms), Stage::begun});
     for (std::uint64_t i = 1; i <= 100; ++i) all.push_back({i, at(1ms), Stage::begun});
-    EXPECT_EQ(gives_way(all, false), 4u);
+    EXPECT_EQ(next_evicted(all, false), 4u);
     all.push_back({1000, at(20ms), Stage::begun});
-    EXPECT_EQ(gives_way(all, false), 0u);
+    EXPECT_EQ(next_evicted(all, false), 0u);
 }
 
 TEST(WaitingPlaces, a_trusted_connection_is_replaced_only_by_trusted_ones) {
     std::vector<WaitingConnection> all(3, {1, at(0ms), Stage::silent, true});
-    EXPECT_EQ(gives_way(all, false), std::nullopt);
-    EXPECT_EQ(gives_way(all, true), 0u);
+    EXPECT_EQ(next_evicted(all, false), std::nullopt);
+    EXPECT_EQ(next_evicted(all, true), 0u);
     all.push_back({2, at(5ms), Stage::begun});
-    EXPECT_EQ(gives_way(all, false), 3u);
-    EXPECT_EQ(gives_way({}, false), std::nullopt);
+    EXPECT_EQ(next_evicted(all, false), 3u);
+    EXPECT_EQ(next_evicted({}, false), std::nullopt);
 }
 
 TEST(WaitingPlaces, only_a_few_connections_of_one_address_have_priority) {
     std::vector<WaitingConnection> all;
     for (int i = 0; i < 4; ++i) all.push_back({1, at(i * 1ms), Stage::its_turn, true});
     all.push_back({2, at(5ms), Stage::its_turn});
-    EXPECT_EQ(gives_way(all, false), 4u);
+    EXPECT_EQ(next_evicted(all, false), 4u);
     EXPECT_EQ(next_turn(all, 100), 0u);
     all.push_back({1, at(6ms), Stage::its_turn, true});
-    EXPECT_EQ(gives_way(all, false), 0u) << "a flood from the address of somebody trusted";
+    EXPECT_EQ(next_evicted(all, false), 0u) << "a flood from the address of somebody trusted";
     EXPECT_EQ(next_turn(all, 100), 4u);
     std::vector<WaitingConnection> crowd(300, {1, at(0ms), Stage::silent, true});
-    EXPECT_EQ(gives_way(crowd, false), 0u) << "others get in";
+    EXPECT_EQ(next_evicted(crowd, false), 0u) << "others get in";
 }
 
 TEST(WaitingPlaces, turns_follow_trust_then_answers_then_fewest_connections_then_age) {

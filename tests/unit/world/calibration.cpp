@@ -37,12 +37,12 @@ struct Workshop {
             if (task.step() == Calibration::Step::keep) task.kept(bench.now);
             while (const auto asked = host.next_frame(bench.now)) {
                 const Bytes question(asked->bytes().begin(), asked->bytes().end());
-                bench.device.take(ano::FrameView{question}, bench.now, bench.hear);
+                bench.device.take(ano::FrameView{question}, bench.now, bench.receive);
             }
             bench.run_for(10ms);
             for (const Bytes& said : std::exchange(bench.said, {})) {
                 host.take(ano::FrameView{said}, bench.now);
-                task.hear(ano::FrameView{said}, bench.now);
+                task.receive(ano::FrameView{said}, bench.now);
             }
             task.look(bench.now);
         }
@@ -113,18 +113,18 @@ TEST(CalibrationOfSimulated, corrects_the_accelerometer_of_an_imu_that_restarts_
     ano::host::Device host{0xDD};
     Calibration task{host, Sensor::accelerometer};
     std::vector<Bytes> said;
-    const auto hear = [&](ano::Bytes bytes, ano::TimePoint) { said.emplace_back(bytes.begin(), bytes.end()); };
+    const auto receive = [&](ano::Bytes bytes, ano::TimePoint) { said.emplace_back(bytes.begin(), bytes.end()); };
     const Bytes store = support::frame(0xFE, 0xDD, 0xE0, {0x10, 0xAB, 0});
-    line.take(ano::FrameView{store}, now, hear);
+    line.take(ano::FrameView{store}, now, receive);
     task.start(now);
     while (!task.end() && now < start + 5min) {
         now += 10ms;
         if (task.step() == Calibration::Step::keep) task.kept(now);
-        while (const auto asked = host.next_frame(now)) line.take(*asked, now, hear);
-        line.run(now, hear);
+        while (const auto asked = host.next_frame(now)) line.take(*asked, now, receive);
+        line.run(now, receive);
         for (const Bytes& one : std::exchange(said, {})) {
             host.take(ano::FrameView{one}, now);
-            task.hear(ano::FrameView{one}, now);
+            task.receive(ano::FrameView{one}, now);
         }
         task.look(now);
     }

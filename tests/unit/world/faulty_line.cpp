@@ -33,12 +33,12 @@ struct BadDay {
     void run_for(ano::Duration time) {
         for (const auto end = now + time; now < end;) {
             now = std::min(end, line.due());
-            line.run(now, hear);
+            line.run(now, receive);
         }
     }
     void ask_who_it_is() {
         const Bytes question = frame(0xFE, line.device().device().info().id, 0xE0, {0, 0, 0});
-        line.take(ano::FrameView{question}, now, hear);
+        line.take(ano::FrameView{question}, now, receive);
     }
     std::size_t count(std::uint8_t id) const {
         return static_cast<std::size_t>(
@@ -47,7 +47,7 @@ struct BadDay {
 
     ano::TimePoint now = start;
     std::vector<Arrived> arrived;
-    const FaultyLine::Send hear = [this](ano::Bytes bytes, ano::TimePoint at) {
+    const FaultyLine::Send receive = [this](ano::Bytes bytes, ano::TimePoint at) {
         arrived.push_back({at, {bytes.begin(), bytes.end()}});
     };
     FaultyLine line;
@@ -170,7 +170,7 @@ TEST(FaultyLine, a_device_that_restarts_is_silent_for_a_second_and_restores_its_
     auto& parameters = day.line.device().device().parameters();
     const auto act = [&](std::uint8_t action) {
         const Bytes question = frame(0xFE, 0xDD, 0xE0, {0x10, action, 0});
-        day.line.take(ano::FrameView{question}, day.now, day.hear);
+        day.line.take(ano::FrameView{question}, day.now, day.receive);
     };
     const auto value = [&](const char* name) { return parameters[*parameters.find(name)].get(); };
     ASSERT_TRUE(parameters.write("CAL_AOFF_X", 12.0) && parameters.write("SIM_BAR_OFFSET", std::int64_t{7}));
@@ -201,10 +201,10 @@ TEST(FaultyLine, with_the_vendor_parser_a_damaged_LEN_makes_the_device_deaf_unti
     day.ask_who_it_is();
     EXPECT_EQ(day.count(0xE3), 1u);
     const Bytes header{0xAB, 0xFE, 0xDC, 0xE0, 190, 0};
-    day.line.take(header, day.now, day.hear);
+    day.line.take(header, day.now, day.receive);
     for (int i = 0; i < 17; ++i) day.ask_who_it_is();
     EXPECT_EQ(day.count(0xE3), 1u);
-    day.line.take(Bytes(206), day.now, day.hear);
+    day.line.take(Bytes(206), day.now, day.receive);
     day.ask_who_it_is();
     EXPECT_EQ(day.count(0xE3), 2u);
 }

@@ -30,7 +30,7 @@ struct FlyingFc : support::Simulated<FlightController> {
         ASSERT_TRUE(command(1, static_cast<std::uint16_t>(height * 100)));
         ASSERT_TRUE(run_until([&] { return flight().task() == Flight::Task::hover; }));
     }
-    bool said_text(std::string_view text) const {
+    bool has_sent_text(std::string_view text) const {
         for (const Bytes& f : said)
             if (const auto line = ano::as<"log">(ano::FrameView{f}); line && line->get<"str">() == text) return true;
         return false;
@@ -38,13 +38,13 @@ struct FlyingFc : support::Simulated<FlightController> {
     void stick(std::int16_t rol, std::int16_t pit, std::int16_t thr, std::int16_t yaw) {
         ano::Draft<"remote_control"> sticks;
         ASSERT_TRUE(sticks.set<"rol">(rol) && sticks.set<"pit">(pit) && sticks.set<"thr">(thr) && sticks.set<"yaw">(yaw));
-        hear_draft(sticks);
+        receive_draft(sticks);
     }
     template <class Draft>
-    void hear_draft(const Draft& draft) {
+    void receive_draft(const Draft& draft) {
         Bytes bytes(64);
         bytes.resize(draft.encode(bytes, 0xFE, 0xDC));
-        device.take(ano::FrameView{bytes}, now, hear);
+        device.take(ano::FrameView{bytes}, now, receive);
     }
     void keep_steering(ano::Duration time, const std::function<void()>& steer) {
         for (const auto end = now + time; now < end; run_for(50ms)) steer();
@@ -105,7 +105,7 @@ TEST(FlightController, takes_off_hovers_and_lands) {
     FlyingFc fc;
     EXPECT_FALSE(fc.command(1, std::uint16_t{1})) << "1 cm is no height";
     fc.fly_to(3);
-    EXPECT_TRUE(fc.said_text("done"));
+    EXPECT_TRUE(fc.has_sent_text("done"));
     double most = 0;
     for (int i = 0; i < 100; ++i) {
         fc.run_for(100ms);
@@ -119,7 +119,7 @@ TEST(FlightController, takes_off_hovers_and_lands) {
     ASSERT_TRUE(fc.command(2));
     EXPECT_EQ(fc.next<"mode">()->get<"cmd1">(), 2);
     ASSERT_TRUE(fc.run_until([&] { return fc.flight().safety() == Flight::Safety::locked; }));
-    EXPECT_TRUE(fc.said_text("landed"));
+    EXPECT_TRUE(fc.has_sent_text("landed"));
     EXPECT_EQ(fc.place().z, 0);
     EXPECT_EQ(fc.next<"velocity">()->get<"speed_x">(), 0);
     EXPECT_EQ(fc.next<"mode">()->get<"cmd1">(), 4) << "back to hover";
@@ -294,7 +294,7 @@ TEST(FlightController, follows_realtime_control) {
     const auto steer = [&](int forward, int yaw_rate) {
         ano::Draft<"realtime_control"> c;
         ASSERT_TRUE(c.set<"ctrl_spd_x">(forward) && c.set<"ctrl_yaw_dps">(yaw_rate));
-        fc.hear_draft(c);
+        fc.receive_draft(c);
     };
     fc.keep_steering(4s, [&] { steer(200, 0); });
     EXPECT_NEAR(fc.flight().body().velocity().x, 2, 0.3);
@@ -328,8 +328,8 @@ TEST(FlightController, lands_when_the_battery_is_low) {
     EXPECT_LT(fc.next<"power">()->get<"voltage">(), first - 0.3);
     fc.said.clear();
     ASSERT_TRUE(fc.run_until([&] { return fc.flight().safety() == Flight::Safety::locked; }));
-    EXPECT_TRUE(fc.said_text("battery low"));
-    EXPECT_TRUE(fc.said_text("landed"));
+    EXPECT_TRUE(fc.has_sent_text("battery low"));
+    EXPECT_TRUE(fc.has_sent_text("landed"));
     EXPECT_GT(fc.flight().battery().charge(), 0) << "in time";
     EXPECT_FALSE(fc.command(1, std::uint16_t{100})) << "not with this battery";
     ASSERT_TRUE(fc.write("SIM_CHARGE", std::uint8_t{100}));
@@ -377,7 +377,7 @@ TEST(FlightController, sends_at_its_rates_and_does_not_catch_up_after_a_pause) {
     for (const int id : {0x09, 0x0C, 0x0D, 0x0E, 0x0F, 0xF9}) EXPECT_EQ(fc.count(static_cast<std::uint8_t>(id)), 10u) << id;
     fc.said.clear();
     fc.now += 10s;
-    fc.device.run(fc.now, fc.hear);
+    fc.device.run(fc.now, fc.receive);
     for (int id = 0; id < 256; ++id) EXPECT_LE(fc.count(static_cast<std::uint8_t>(id)), 2u) << id;
     EXPECT_LE(fc.device.due(), fc.now + 10ms);
 }
@@ -385,7 +385,7 @@ TEST(FlightController, sends_at_its_rates_and_does_not_catch_up_after_a_pause) {
 TEST(FlightController, ignores_frames_for_other_devices) {
     FlyingFc fc;
     const Bytes take_off = frame(0xFE, 0xDB, 0xC0, {0x10, 0, 1, 0x2C, 0x01});
-    fc.device.take(ano::FrameView{take_off}, fc.now, fc.hear);
+    fc.device.take(ano::FrameView{take_off}, fc.now, fc.receive);
     EXPECT_TRUE(fc.said.empty());
     EXPECT_EQ(fc.flight().safety(), Flight::Safety::locked);
 }

@@ -26,17 +26,17 @@ struct Day {
         for (const auto end = now + 10min; !task.end() && now < end;) {
             while (const auto frame = host.next_frame(now)) {
                 const std::vector<std::uint8_t> bytes{frame->bytes().begin(), frame->bytes().end()};
-                line.take(ano::FrameView{bytes}, now, hear);
+                line.take(ano::FrameView{bytes}, now, receive);
             }
             if (task.end()) return;
             now = std::max(now, std::min({end, line.due(), host.due().value_or(end)}));
-            line.run(now, hear);
+            line.run(now, receive);
         }
     }
 
     ano::TimePoint now = start;
     ano::host::Device host{0xDC};
-    const FaultyLine::Send hear = [this](ano::Bytes bytes, ano::TimePoint) {
+    const FaultyLine::Send receive = [this](ano::Bytes bytes, ano::TimePoint) {
         if (const auto frame = ano::frame_at(bytes)) host.take(*frame, now);
     };
     FaultyLine line;

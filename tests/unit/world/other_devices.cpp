@@ -140,7 +140,7 @@ struct DrivenCar : Simulated<Car> {
     void keep(ano::Duration time, const Draft& draft) {
         Bytes bytes(64);
         bytes.resize(draft.encode(bytes, 0xFE, 40));
-        for (const auto end = now + time; now < end; run_for(100ms)) device.take(ano::FrameView{bytes}, now, hear);
+        for (const auto end = now + time; now < end; run_for(100ms)) device.take(ano::FrameView{bytes}, now, receive);
     }
 };
 

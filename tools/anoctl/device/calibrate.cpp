@@ -36,12 +36,12 @@ public:
             const std::size_t width = Screen::size().width;
             return lines_.show(broken_lines(lines, width), width);
         }
-        for (const auto& [text, told] : {std::pair{message, &message_}, {calibration_step(job), &step_}})
-            if (!text.empty() && text != std::exchange(*told, text)) tell(streams_, text);
+        for (const auto& [text, last_printed] : {std::pair{message, &message_}, {calibration_step(job), &step_}})
+            if (!text.empty() && text != std::exchange(*last_printed, text)) print_note(streams_, text);
     }
     void end() override { lines_.clear(); }
     void went_down(std::size_t lines) override { lines_.went_down(lines); }
-    bool goes_on_by_itself() const override { return yes_ || !streams_.in_is_terminal; }
+    bool continues_unattended() const override { return yes_ || !streams_.in_is_terminal; }
 
 private:
     Streams& streams_;
@@ -61,7 +61,7 @@ struct Calibrate {
         const char* todo = what == "compass" ? "need to rotate it slowly in all directions, away from magnetic metal"
                                              : "need to place it on each of its six faces and keep it still";
         if (!client.may("Calibrate the " + what + " of " + client.device_words() + "? You " + todo + ".")) {
-            tell(streams, "nothing was changed");
+            print_note(streams, "nothing was changed");
             return failed;
         }
         anogate::http::Request request;
@@ -72,7 +72,7 @@ struct Calibrate {
         const Json result = client.run(std::move(request), view);
         if (options.json) streams.out << ano::json_text(result) << '\n';
         else
-            for (const std::string& line : calibration_result(result, what)) say(streams, line);
+            for (const std::string& line : calibration_result(result, what)) print(streams, line);
         return fine;
     }
 };

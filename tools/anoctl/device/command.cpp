@@ -47,7 +47,7 @@ private:
             else table.row({text_at(command, "id"), command_usage(command), text_at(command, "text")});
         }
         const bool is_empty = table.empty() && text_at(answer, "incomplete").empty();
-        if (!options.json && is_empty) say(streams, client.device_words() + " has no commands");
+        if (!options.json && is_empty) print(streams, client.device_words() + " has no commands");
         else if (!options.json) table.write(streams.out, "", streams.terminal ? streams.width : 0);
         if (const std::string missing = text_at(answer, "incomplete"); !missing.empty()) throw Failure{missing};
         return fine;
@@ -82,7 +82,7 @@ private:
             came = client.run("POST", client.target("/commands/" + text_at(command, "id")), body.dump());
         } catch (const Outdated&) {    // only once: for example, the board was swapped
             if (name.empty()) throw;
-            tell(streams, client.device_words() + " has different commands than before; reading them again");
+            print_note(streams, client.device_words() + " has different commands than before; reading them again");
             const Json now = client.run("GET", client.target("/commands"));
             command = command_called(at(now, "commands"), name);    // to which the user agreed, even if its number changed
             body = body_of(command, given);
@@ -120,13 +120,13 @@ private:
     }
     static bool is_wanted(DeviceClient& client, const std::string& text, Streams& streams) {
         if (client.may("Send " + text + " to " + client.device_words() + "?")) return true;
-        tell(streams, "nothing was sent");
+        print_note(streams, "nothing was sent");
         return false;
     }
     void report(DeviceClient& client, const std::string& text, const Json& came, Streams& streams) const {
         if (options.json) streams.out << ano::json_text(came) << '\n';
-        else say(streams, client.device_words() + ": " + text + ": acknowledged");
-        if (const std::string note = text_at(came, "note"); !note.empty()) tell(streams, note);
+        else print(streams, client.device_words() + ": " + text + ": acknowledged");
+        if (const std::string note = text_at(came, "note"); !note.empty()) print_note(streams, note);
     }
 };
 

@@ -52,8 +52,8 @@ std::string place_to_type(const DeviceOptions& options) {
 }
 
 // The text of a refusal. If another client's job uses the device, also says how to follow or cancel that job.
-std::string words_of_refusal(const http::Answer& answer, const Json& device, const DeviceOptions& options) {
-    std::string words = with_device_named(with_options_named(words_of(answer), options.command), device);
+std::string format_refusal(const http::Answer& answer, const Json& device, const DeviceOptions& options) {
+    std::string words = with_device_named(with_options_named(format_failure(answer), options.command), device);
     const Json json = Json::parse(answer.body, nullptr, false);
     const std::string job = answer.status == 409 ? text_at(json, "job") : "", place = place_to_type(options);
     if (!job.empty())
@@ -97,11 +97,11 @@ public:
 private:
     void begin(http::Request request) {
         loop_.door->stream(
-            std::move(request), [this](std::string_view line) { hear(line); },
+            std::move(request), [this](std::string_view line) { receive(line); },
             [this](http::Outcome outcome) {
                 // Firmware and calibration: the response describes the job, which is then followed by a second request.
                 if (outcome.fault.empty() && outcome.answer.status == 202 && !has_job_) {
-                    hear(outcome.answer.body);
+                    receive(outcome.answer.body);
                     http::Request follow = request_of("GET", "/jobs/" + text_at(job_, "id") + "?while_connected", {});
                     follow.headers.push_back({"Accept", "application/x-ndjson"});
                     return begin(std::move(follow));
@@ -111,7 +111,7 @@ private:
             });
     }
 
-    void hear(std::string_view line) {
+    void receive(std::string_view line) {
         Json job = Json::parse(line, nullptr, false);
         if (!job.is_object()) return;
         const std::string state = text_at(job, "state");
@@ -120,7 +120,7 @@ private:
         if (state != "running" && state != "waiting") return;
         view_.show(job_);
         waits_ = state == "waiting";
-        if (waits_ && view_.goes_on_by_itself()) go_on();
+        if (waits_ && view_.continues_unattended()) go_on();
         else if (waits_) await_key();
     }
 
@@ -179,7 +179,7 @@ private:
         if (!error.empty()) throw Failure{error + (is_counted ? what_is_half_done() : "")};
         if (!outcome_->fault.empty()) throw Failure{outcome_->fault};
         if (const http::Answer& answer = outcome_->answer; answer.status / 100 != 2) {
-            const std::string words = words_of_refusal(answer, loop_.device, options_);
+            const std::string words = format_refusal(answer, loop_.device, options_);
             const Json refusal = Json::parse(answer.body, nullptr, false);
             if (text_at(refusal, "what") == Outdated::what_of_commands) throw Outdated{words};
             throw Failure{words};
@@ -249,7 +249,7 @@ Json DeviceClient::ask(const std::string& method, const std::string& target, std
     loop_->io.run();
     if (!outcome) throw Failure{"no response"};
     if (!outcome->fault.empty()) throw Failure{outcome->fault};
-    if (outcome->answer.status / 100 != 2) throw Failure{words_of_refusal(outcome->answer, loop_->device, options_)};
+    if (outcome->answer.status / 100 != 2) throw Failure{format_refusal(outcome->answer, loop_->device, options_)};
     return parse_answer(outcome->answer.body);
 }
 
@@ -299,7 +299,7 @@ const Json& DeviceClient::known_device() {
 
 std::string DeviceClient::target(const std::string& rest) { return "/devices/" + text_at(device(), "address") + rest; }
 
-std::string DeviceClient::device_words() { return words_of_device(device()); }
+std::string DeviceClient::device_words() { return format_device(device()); }
 
 void DeviceClient::must_be_able_to_ask(const std::string& what) const {
     if (!options_.yes && !streams_.in_is_terminal)

@@ -48,14 +48,14 @@ std::string no_such_device(const std::string& name, const Json& devices) {
            (devices.empty() ? "; no devices known" : "; devices: " + list_of(devices));
 }
 
-std::string words_of_device(const Json& device) {
+std::string format_device(const Json& device) {
     const std::string name = text_at(device, "name"), address = text_at(device, "address");
     return name.empty() ? address : name + " (" + address + ")";
 }
 
 std::string with_device_named(std::string words, const Json& device) {
     const std::string address = text_at(device, "address");
-    if (!address.empty() && words.starts_with(address + " ")) words.replace(0, address.size(), words_of_device(device));
+    if (!address.empty() && words.starts_with(address + " ")) words.replace(0, address.size(), format_device(device));
     return words;
 }
 

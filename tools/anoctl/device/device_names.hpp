@@ -19,7 +19,7 @@ bool all_have_names(const ano::Json& devices);
 /// The error that no device has this name or address, with the list of devices.
 std::string no_such_device(const std::string& name, const ano::Json& devices);
 /// "SimFC (0xDC)", or "0xDC" if its name is not known.
-std::string words_of_device(const ano::Json& device);
+std::string format_device(const ano::Json& device);
 /// Inserts the name of `device` in `words` that begin with its address: "SimFC (0xDC) is unlocked…".
 std::string with_device_named(std::string words, const ano::Json& device);
 

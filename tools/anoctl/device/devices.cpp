@@ -84,9 +84,10 @@ private:
             if (text_at(device, "lost") == "true") table.note("    lost: " + lost_text(device));
             for (const std::string& words : left_behind(device)) table.note("    " + words);
         }
-        if (table.empty()) tell(streams, std::string{"no devices found"} + (scan ? "" : "; to search for devices, add --scan"));
+        if (table.empty())
+            print_note(streams, std::string{"no devices found"} + (scan ? "" : "; to search for devices, add --scan"));
         else table.write(streams.out, "", streams.terminal ? streams.width : 0);
-        if (!have_names && !scan) say(streams, "(some names are not known yet; to request them, add --scan)");
+        if (!have_names && !scan) print(streams, "(some names are not known yet; to request them, add --scan)");
         return fine;
     }
 
@@ -104,7 +105,7 @@ private:
                            text_at(one, "state"), percent_of(one), text_at(one, "client"), text_at(one, "message")});
         }
         if (options.json) return fine;
-        if (table.empty()) tell(streams, "no current or recent jobs");
+        if (table.empty()) print_note(streams, "no current or recent jobs");
         else table.write(streams.out, "", streams.terminal ? streams.width : 0);
         return fine;
     }
@@ -126,7 +127,7 @@ private:
         if (const std::string question = question_before_cancelling(now); !question.empty()) {
             client.must_be_able_to_ask("cancelling a firmware update");
             if (!client.may(question)) {
-                tell(streams, "nothing was cancelled");
+                print_note(streams, "nothing was cancelled");
                 return failed;
             }
         }
@@ -138,11 +139,11 @@ private:
         const std::string state = text_at(ended, "state"), error = text_at(ended, "error"), by = text_at(ended, "client");
         std::string words = "job " + text_at(ended, "id") + " (" + command_of_job(text_at(ended, "kind")) +
                             (by.empty() ? by : " of " + by) + "): ";
-        const bool says_so = error.starts_with("cancelled");
+        const bool is_cancelled = error.starts_with("cancelled");
         words += state == "cancelled" && before != state ? "cancelled" : "already ended: " + state;
-        if (says_so) words += error.substr(std::string_view{"cancelled"}.size());
+        if (is_cancelled) words += error.substr(std::string_view{"cancelled"}.size());
         else if (!error.empty()) words += "; " + error;
-        say(streams, words);
+        print(streams, words);
         return fine;
     }
 };

@@ -18,7 +18,7 @@ std::string why() { return std::generic_category().message(errno); }
 
 }    // namespace
 
-std::string text_of_file(const std::string& path, std::size_t max_bytes) {
+std::string read_text_file(const std::string& path, std::size_t max_bytes) {
     if (path.empty()) throw UsageError{"FILE is an empty name"};
     const int fd = path == "-" ? ::dup(STDIN_FILENO) : ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
     if (fd < 0) throw UsageError{path + ": cannot read: " + why()};
@@ -33,10 +33,10 @@ std::string text_of_file(const std::string& path, std::size_t max_bytes) {
     return text;
 }
 
-std::string given_text(const std::string& path, const std::string& what, Streams& streams) {
+std::string read_input(const std::string& path, const std::string& what, Streams& streams) {
     if (path == "-" && streams.in_is_terminal)
-        tell(streams, "reading " + what + " from standard input; finish with Ctrl-D at the start of a line");
-    return text_of_file(path);
+        print_note(streams, "reading " + what + " from standard input; finish with Ctrl-D at the start of a line");
+    return read_text_file(path);
 }
 
 bool is_file(const std::string& path) {

@@ -8,10 +8,10 @@ namespace anoctl {
 struct Streams;
 
 /// Reads a file; "-" is standard input. Throws UsageError if it is not readable or is larger than `max_bytes`.
-std::string text_of_file(const std::string& path, std::size_t max_bytes = 64 * 1024 * 1024);
+std::string read_text_file(const std::string& path, std::size_t max_bytes = 64 * 1024 * 1024);
 
 /// The same; if standard input is a terminal, first prints that it waits for `what`.
-std::string given_text(const std::string& path, const std::string& what, Streams& streams);
+std::string read_input(const std::string& path, const std::string& what, Streams& streams);
 
 /// Whether a regular file of this name exists, which would be overwritten; false for "-".
 bool is_file(const std::string& path);

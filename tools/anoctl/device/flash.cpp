@@ -28,7 +28,7 @@ struct Flash {
 
     int run(Streams& streams) const {
         anogate::http::Request request;
-        request.body = given_text(file, "firmware", streams);
+        request.body = read_input(file, "firmware", streams);
         if (request.body.empty()) throw UsageError{file + ": the file is empty"};
         const bool has_header = request.body.starts_with("bia");
         if (!has_header && file.ends_with(".bia"))
@@ -41,7 +41,7 @@ struct Flash {
         const std::string size = bytes_text(static_cast<double>(request.body.size()));
         if (!client.may("Replace the firmware of " + device_with_versions(client) + " with " + file + ", " + size +
                         (has_header ? "" : ", which does not name its hardware") + "?")) {
-            tell(streams, "nothing was changed");
+            print_note(streams, "nothing was changed");
             return failed;
         }
         request.method = "POST";
@@ -54,10 +54,10 @@ struct Flash {
         if (options.json) streams.out << ano::json_text(came) << '\n';
         else {
             const std::string note = text_at(came, "note");
-            say(streams, client.device_words() + ": written and verified, " +
-                             plural(static_cast<std::size_t>(number_at(came, "frames")), "frame") + ", " +
-                             text_at(came, "repeats") + " repeated, in " + time_text(number_at(came, "seconds")) +
-                             (note.empty() ? "" : "; " + note));
+            print(streams, client.device_words() + ": written and verified, " +
+                               plural(static_cast<std::size_t>(number_at(came, "frames")), "frame") + ", " +
+                               text_at(came, "repeats") + " repeated, in " + time_text(number_at(came, "seconds")) +
+                               (note.empty() ? "" : "; " + note));
         }
         return fine;
     }

@@ -31,19 +31,21 @@ Chosen addresses_of_devices(const std::vector<std::string>& words) {
 }
 
 // Passes only frames with these ids and sources.
-class OnlyThese final : public FrameTaker {
+class OnlyThese final : public FrameReceiver {
 public:
-    OnlyThese(const Chosen& ids, const Chosen& from, FrameTaker& taker) : ids_{ids}, from_{from}, taker_{taker} {}
-    bool take(ano::FrameView frame, const Passage& passage) override {
-        return !ids_[frame.id()] || !from_[frame.source()] || taker_.take(frame, passage);
+    OnlyThese(const Chosen& ids, const Chosen& from, FrameReceiver& receiver) : ids_{ids}, from_{from}, receiver_{receiver} {}
+    bool accept(ano::FrameView frame, const Passage& passage) override {
+        return !ids_[frame.id()] || !from_[frame.source()] || receiver_.accept(frame, passage);
     }
-    void use(const anogate::DecodingPtr& decoding) override { taker_.use(decoding); }
-    bool flush() override { return taker_.flush(); }
-    void miss(std::uint64_t count, const std::string& names, std::string_view json) override { taker_.miss(count, names, json); }
+    void use(const anogate::DecodingPtr& decoding) override { receiver_.use(decoding); }
+    bool flush() override { return receiver_.flush(); }
+    void miss(std::uint64_t count, const std::string& names, std::string_view json) override {
+        receiver_.miss(count, names, json);
+    }
 
 private:
     const Chosen ids_, from_;
-    FrameTaker& taker_;
+    FrameReceiver& receiver_;
 };
 
 }    // namespace
@@ -84,16 +86,16 @@ std::string FramesOf::address_named(const std::string& word) const {
                      (there.empty() ? "; no devices known" : "; devices: " + there)};
 }
 
-std::string FramesOf::each(const std::vector<std::string>& ids, FrameTaker& taker, Streams& streams,
+std::string FramesOf::each(const std::vector<std::string>& ids, FrameReceiver& receiver, Streams& streams,
                            const std::string& who) const {
     const std::vector<std::string> named = by_address();
     const Chosen from = addresses_of_devices(named);
     if (link.empty())
         return watch_frames(gateway.socket(),
-                            "&direction=in&elsewhere=no" + filter_words("id", ids) + filter_words("from", named), taker);
+                            "&direction=in&elsewhere=no" + filter_words("id", ids) + filter_words("from", named), receiver);
     Chosen wanted;
     for (const std::string& id : ids) wanted.set(message_id_of(id));
-    OnlyThese only{wanted, from, taker};
+    OnlyThese only{wanted, from, receiver};
     listen(link, only, streams, who);
     return {};
 }

@@ -66,14 +66,14 @@ private:
     std::map<std::uint8_t, unsigned> number_;
 };
 
-class PictureWriter final : public FrameTaker {
+class PictureWriter final : public FrameReceiver {
 public:
     /// `refused`: nullptr without a gateway; then the link prints the hint.
     PictureWriter(const std::string& folder, bool json, std::uint64_t count, RefusedLengths* refused, Streams& streams)
         : folder_{folder}, json_{json}, left_{count}, refused_{refused}, streams_{streams} {}
 
-    bool take(ano::FrameView frame, const Passage& passage) override {
-        Pictures::Taken taken = pictures_.take(frame, ano::Clock::now(), passage.time);
+    bool accept(ano::FrameView frame, const Passage& passage) override {
+        Pictures::Taken taken = pictures_.accept(frame, ano::Clock::now(), passage.time);
         if (!taken.fault.empty() && taken.fault != std::exchange(fault_, taken.fault))
             streams_.err << "anoctl: an image frame of " << ano::hex_byte(frame.source()) << ": " << taken.fault << std::endl;
         for (const Picture& picture : taken.ended) {
@@ -87,27 +87,27 @@ public:
         return true;
     }
     bool flush() override {
-        if (refused_ && ano::Clock::now() >= look_at_) tell_refused();
+        if (refused_ && ano::Clock::now() >= look_at_) print_refused();
         return bool{streams_.out.flush()};
     }
     void miss(std::uint64_t count, const std::string&, std::string_view) override {
-        tell(streams_, plural(count, "frame") + " lost: the buffer of the gateway was full");
+        print_note(streams_, plural(count, "frame") + " lost: the buffer of the gateway was full");
     }
     /// To be called after the last frame.
     void end() {
-        if (refused_) tell_refused();
+        if (refused_) print_refused();
         if (!done_)
             for (const Picture& picture : pictures_.end()) write(picture, false);
         std::string words = plural(written_, "picture");
         if (partial_ > 0) words += ", " + std::to_string(partial_) + " of them incomplete";
         if (joined_ > 0) words += "; and the end of " + plural(joined_, "picture") + " that probably started earlier";
-        tell(streams_, words);
+        print_note(streams_, words);
     }
 
 private:
-    void tell_refused() {
+    void print_refused() {
         look_at_ = ano::Clock::now() + look_every;
-        for (const std::string& sentence : refused_->look()) tell(streams_, sentence);
+        for (const std::string& sentence : refused_->look()) print_note(streams_, sentence);
     }
     /// `is_joined`: reception probably began in the middle of this picture, the first one of its sender. It is not counted.
     void write(const Picture& picture, bool is_joined) {
@@ -115,13 +115,13 @@ private:
         if (is_joined) ++joined_;
         else ++written_;
         if (!is_joined && !picture.is_whole()) ++partial_;
-        if (json_) return tell_json(picture, file);
+        if (json_) return print_json(picture, file);
         streams_.out << file << ": " << ano::hex_byte(picture.source) << ' ' << picture.width << 'x' << picture.height << ' '
                      << color_name(picture.color);
         if (!picture.is_whole()) streams_.out << ", " << picture.rows() << " of " << picture.height << " rows received";
         streams_.out << '\n';
     }
-    void tell_json(const Picture& picture, const std::string& file) {
+    void print_json(const Picture& picture, const std::string& file) {
         streams_.out << ano::json_text(nlohmann::ordered_json{{"file", file},
                                                               {"from", picture.source},
                                                               {"time", picture.began},

@@ -117,17 +117,17 @@ std::string command_of_job(const std::string& kind) {
 
 std::string half_done(const ano::Json& job) {
     const double done = number_at(job, "done"), total = number_at(job, "total");
-    const std::string deed = text_at(job, "kind"), unit = text_at(job, "unit");
-    if (deed == "firmware" && done > 0)
+    const std::string job_kind = text_at(job, "kind"), unit = text_at(job, "unit");
+    if (job_kind == "firmware" && done > 0)
         return counts(done, total, unit) + " written; the device is still in its loader: flash it again";
-    if (deed == "apply" && job.contains("result")) return what_became_of(at(job["result"], "parameters"));
-    if (deed == "apply" && done > 0)
+    if (job_kind == "apply" && job.contains("result")) return what_became_of(at(job["result"], "parameters"));
+    if (job_kind == "apply" && done > 0)
         return "stopped at " + counts(done, total, unit) + "; unless saved, the changes are lost when the device restarts";
-    if (deed == "put_waypoints" && done > 0)
+    if (job_kind == "put_waypoints" && done > 0)
         return counts(done, total, unit) +
                " written; the device has a mixture of new and old waypoints until you write all of them";
-    if (deed == "put_waypoints" && total > 0) return counts(done, total, unit) + " written";
-    if (deed == "command") return "the command may have been executed";
+    if (job_kind == "put_waypoints" && total > 0) return counts(done, total, unit) + " written";
+    if (job_kind == "command") return "the command may have been executed";
     return {};
 }
 

@@ -33,14 +33,14 @@ void ProgressView::show(const ano::Json& job) {
         const std::size_t width = Screen::size().width;
         return lines_.show({progress_text(job, seconds, width)}, width);
     }
-    if (const std::string stopped = text_at(job, "stopped"); stopped != told_stopped_) {
-        told_stopped_ = stopped;
-        if (!stopped.empty()) tell(streams_, stopped);
+    if (const std::string stopped = text_at(job, "stopped"); stopped != printed_stop_) {
+        printed_stop_ = stopped;
+        if (!stopped.empty()) print_note(streams_, stopped);
     }
     const std::string message = step_text(job);
-    if (!tells_steps_ || message.empty() || message == told_) return;
-    told_ = message;
-    tell(streams_, message);
+    if (!prints_steps_ || message.empty() || message == printed_) return;
+    printed_ = message;
+    print_note(streams_, message);
 }
 
 }    // namespace anoctl

@@ -21,7 +21,7 @@ public:
     /// Enter was pressed `lines` times and echoed: the cursor moved down by as many lines.
     virtual void went_down(std::size_t /*lines*/) {}
     /// Whether a waiting job is continued without Enter being pressed.
-    virtual bool goes_on_by_itself() const { return false; }
+    virtual bool continues_unattended() const { return false; }
 };
 
 /// Lines at the bottom of a terminal that are overwritten in place.
@@ -42,20 +42,20 @@ private:
     std::size_t shown_ = 0, below_ = 0;    // below_: lines from the last line down to the cursor
 };
 
-/// A progress bar on a terminal; otherwise, if `tells_steps`, a line for each new message.
+/// A progress bar on a terminal; otherwise, if `prints_steps`, a line for each new message.
 class ProgressView final : public JobView {
 public:
-    ProgressView(Streams& streams, bool tells_steps) : streams_{streams}, tells_steps_{tells_steps}, lines_{streams.err} {}
+    ProgressView(Streams& streams, bool prints_steps) : streams_{streams}, prints_steps_{prints_steps}, lines_{streams.err} {}
     void show(const ano::Json& job) override;
     void end() override { lines_.clear(); }
     void went_down(std::size_t lines) override { lines_.went_down(lines); }
 
 private:
     Streams& streams_;
-    const bool tells_steps_;
+    const bool prints_steps_;
     LiveLines lines_;
     const ano::TimePoint began_ = ano::Clock::now();
-    std::string told_, told_stopped_;
+    std::string printed_, printed_stop_;
 };
 
 }    // namespace anoctl

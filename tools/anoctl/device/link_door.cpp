@@ -32,15 +32,15 @@ using anogate::error_code;
 
 constexpr auto time_to_open = std::chrono::seconds{5};    // for the link to be up; then requests fail
 
-anogate::DeviceManners manners_of(const anogate::LinkSettings& settings) {
-    anogate::DeviceManners manners;
-    manners.text.max_bytes = settings.max_text();
-    manners.expects_gbk = settings.profile == anogate::Profile::vendor;
-    manners.value_type_7 = settings.stated_type_7();
+anogate::DeviceLimits device_limits_of(const anogate::LinkSettings& settings) {
+    anogate::DeviceLimits device_limits;
+    device_limits.text.max_bytes = settings.max_text();
+    device_limits.expects_gbk = settings.profile == anogate::Profile::vendor;
+    device_limits.value_type_7 = settings.stated_type_7();
     if (settings.encoding)
-        manners.encoding = *settings.encoding == anogate::TextEncoding::gbk ? ano::Encoding::gbk : ano::Encoding::utf8;
-    manners.max_data = std::min<std::size_t>(manners.max_data, settings.effective_max_data_out());
-    return manners;
+        device_limits.encoding = *settings.encoding == anogate::TextEncoding::gbk ? ano::Encoding::gbk : ano::Encoding::utf8;
+    device_limits.max_data = std::min<std::size_t>(device_limits.max_data, settings.effective_max_data_out());
+    return device_limits;
 }
 
 std::string utc_text(std::time_t time) {
@@ -51,12 +51,12 @@ std::string utc_text(std::time_t time) {
 }
 
 // Implements DeviceNet for the host engine with a single link.
-class LinkNet final : public anogate::DeviceNet, public FrameTaker {
+class LinkNet final : public anogate::DeviceNet, public FrameReceiver {
 public:
     LinkNet(asio::io_context& io, const anogate::LinkSettings& settings, Streams& streams, std::optional<std::uint8_t> there)
         : timer_{io},
           there_{there},
-          manners_{manners_of(settings)},
+          device_limits_{device_limits_of(settings)},
           wire_{anogate::wire_of(settings)},
           link_{io, settings, *this, streams, ""},
           service_{*this} {
@@ -81,13 +81,13 @@ private:
         bool elsewhere = false;    // received from two peers, so the right one is not known
     };
 
-    bool take(ano::FrameView frame, const Passage& passage) override {
+    bool accept(ano::FrameView frame, const Passage& passage) override {
         const TimePoint time = now();
         Heard& heard = heard_[frame.source()];
         heard.elsewhere = heard.elsewhere || (heard.at && heard.peer != passage.link);
         heard.peer = passage.link;
         heard.at = time;
-        if (listens_) service_.hear(frame, time);
+        if (listens_) service_.receive(frame, time);
         return true;
     }
     bool flush() override { return true; }
@@ -121,7 +121,7 @@ private:
         }
         return all;
     }
-    ano::host::Whereabouts whereabouts(std::uint8_t address, TimePoint) override {
+    ano::host::RouteInfo route_info(std::uint8_t address, TimePoint) override {
         const Heard& one = heard_[address];
         return {one.at.has_value() || address == there_, false, one.elsewhere};
     }
@@ -139,7 +139,7 @@ private:
     std::string way_to_write_back(const std::string& name) override {
         return "restore them with: anoctl param import " + path_in_state_folder(name) + " --link LINK";
     }
-    anogate::DeviceManners manners(std::uint8_t) override { return manners_; }
+    anogate::DeviceLimits device_limits(std::uint8_t) override { return device_limits_; }
 
     asio::steady_timer timer_;
     std::optional<TimePoint> wakes_at_;
@@ -147,7 +147,7 @@ private:
     std::set<std::string> kept_;    // files written by this run
     bool listens_ = false;
     const std::optional<std::uint8_t> there_;
-    const anogate::DeviceManners manners_;
+    const anogate::DeviceLimits device_limits_;
     const std::string wire_;
     OwnLink link_;
     anogate::DeviceService service_;
@@ -160,21 +160,21 @@ public:
     Answering(asio::io_context& io, DeviceDoor::Line line, DeviceDoor::Done done)
         : io_{io}, line_{std::move(line)}, done_{std::move(done)} {}
 
-    void take(http::Response response) {
+    void accept(http::Response response) {
         if (!done_) return;
         if (response.later) {
             needed_ = response.needed;
             const auto later = std::move(response.later);
-            return later([self = weak_from_this()](http::Response said) {
+            return later([self = weak_from_this()](http::Response made) {
                 if (const auto here = self.lock())
-                    asio::post(here->io_, [here, kept = std::make_shared<http::Response>(std::move(said))] {
-                        here->take(std::move(*kept));
+                    asio::post(here->io_, [here, kept = std::make_shared<http::Response>(std::move(made))] {
+                        here->accept(std::move(*kept));
                     });
             });
         }
         answer_.status = response.status;
         answer_.headers = {{"Content-Type", response.type}};
-        answer_.body = response.take_text();
+        answer_.body = response.pop_text();
         producer_ = std::move(response.producer);
         if (!producer_) return finish();
         producer_->start([self = weak_from_this()] {
@@ -201,12 +201,12 @@ private:
         while (producer_) {
             std::string part;
             const auto next = producer_->next(part);
-            hear(part);
+            receive(part);
             if (next == http::Producer::Next::later) return;
             if (next == http::Producer::Next::end) return finish();
         }
     }
-    void hear(const std::string& part) {
+    void receive(const std::string& part) {
         if (!line_) {
             answer_.body += part;
             return;
@@ -259,9 +259,9 @@ private:
     void when_open(const std::shared_ptr<Answering>& answering, http::Request request) {
         if (net_.is_up() || ano::Clock::now() >= opened_by_) {
             asio::post(io_, [this, answering, request = std::move(request)]() mutable {
-                if (!net_.is_up()) return answering->take(http::error(504, net_.name() + " is not available"));
+                if (!net_.is_up()) return answering->accept(http::error(504, net_.name() + " is not available"));
                 request.came_at = ano::Clock::now();
-                answering->take(net_.routes().answer(std::move(request)));
+                answering->accept(net_.routes().answer(std::move(request)));
             });
             return;
         }

@@ -40,20 +40,20 @@ const char* escape_of(std::uint8_t color) {
     return color < std::size(escapes) ? escapes[color] : "";
 }
 
-class LogPrinter final : public FrameTaker {
+class LogPrinter final : public FrameReceiver {
 public:
     LogPrinter(Streams& streams, const FrameOptions& options)
         : streams_{streams}, as_json_{streams, options}, json_{options.json}, given_{options.encoding} {}
 
-    bool take(ano::FrameView frame, const Passage& passage) override {
+    bool accept(ano::FrameView frame, const Passage& passage) override {
         const bool is_received = passage.direction == text(anogate::Direction::in);
         encoding_ = given_.value_or(encodings_.of(frame, passage.link, is_received, decoding_.get()));
         if (json_) as_json_.print(frame, passage);
         else if (const auto log = ano::as<"log">(frame))
-            print(frame.source(), passage.time, log->get<"color">(), text_of(log->bytes<"str">()));
+            print(frame.source(), passage.time, log->get<"color">(), decode_text(log->bytes<"str">()));
         else if (const auto value = ano::as<"log_value">(frame))
             print(frame.source(), passage.time, 0,
-                  ano::number_text(ano::widened(value->get<"val">())) + " " + text_of(value->bytes<"str">()));
+                  ano::number_text(ano::widened(value->get<"val">())) + " " + decode_text(value->bytes<"str">()));
         return true;
     }
     /// `line`: a stored line of the gateway, as in its response.
@@ -86,14 +86,14 @@ public:
     bool flush() override { return bool{streams_.out.flush()}; }
     void miss(std::uint64_t count, const std::string&, std::string_view json) override {
         if (json_) streams_.out << json << '\n';
-        else tell(streams_, plural(count, "line") + " not shown: the buffer of the gateway was full");
+        else print_note(streams_, plural(count, "line") + " not shown: the buffer of the gateway was full");
     }
 
 private:
     // The received text, without the NUL and line ends that some devices append.
-    std::string text_of(std::span<const std::uint8_t> bytes) const {
+    std::string decode_text(std::span<const std::uint8_t> bytes) const {
         const std::string_view whole{reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-        std::string text = ano::shown_text(whole.substr(0, whole.find('\0')), encoding_);
+        std::string text = ano::display_text(whole.substr(0, whole.find('\0')), encoding_);
         while (!text.empty() && (text.back() == '\n' || text.back() == '\r')) text.pop_back();
         return without_controls(text);
     }

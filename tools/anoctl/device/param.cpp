@@ -80,7 +80,7 @@ private:
                            : row.contains("unreadable") ? "not readable: " + text_at(row, "unreadable")
                                                         : "not received",
                            text_at(row, "min"), text_at(row, "max"), text_at(row, "text")});
-            if (table.empty()) say(streams, client.device_words() + " has no parameters");
+            if (table.empty()) print(streams, client.device_words() + " has no parameters");
             else table.write(streams.out, "", streams.terminal ? streams.width : 0);
         }
         if (const std::string missing = text_at(answer, "incomplete"); !missing.empty()) throw Failure{missing};
@@ -190,7 +190,7 @@ private:
             shown["acknowledged"] = !row.contains("acknowledged");
             show_set(shown, streams);
         }
-        if (const std::string note = text_at(came, "note"); !note.empty()) tell(streams, note);
+        if (const std::string note = text_at(came, "note"); !note.empty()) print_note(streams, note);
         if (!why.empty()) throw Failure{why + (rest.empty() ? rest : "; not written: " + rest)};
         return fine;
     }
@@ -205,14 +205,14 @@ private:
         if (text_at(came, "acknowledged") == "false")
             streams.out << " (not acknowledged by the device; verified by reading it back)";
         streams.out << '\n' << std::flush;
-        if (const std::string note = text_at(came, "note"); !note.empty()) tell(streams, note);
+        if (const std::string note = text_at(came, "note"); !note.empty()) print_note(streams, note);
     }
 
-    int act(DeviceClient& client, const char* what, const std::string& words_of_success, Streams& streams) const {
+    int act(DeviceClient& client, const char* what, const std::string& success_text, Streams& streams) const {
         const Json came = client.run("POST", client.target(force ? "/actions?force" : "/actions"), Json{{"action", what}}.dump());
         if (options.json) streams.out << ano::json_text(came) << '\n';
-        else say(streams, client.device_words() + ": " + words_of_success);
-        if (const std::string note = text_at(came, "note"); !note.empty()) tell(streams, note);
+        else print(streams, client.device_words() + ": " + success_text);
+        if (const std::string note = text_at(came, "note"); !note.empty()) print_note(streams, note);
         return fine;
     }
     int save(Streams& streams) const {
@@ -231,7 +231,7 @@ private:
         return act(client, "restore_defaults", "reset to factory defaults", streams);
     }
     static int declined(Streams& streams) {
-        tell(streams, "nothing was changed");
+        print_note(streams, "nothing was changed");
         return failed;
     }
 
@@ -240,16 +240,16 @@ private:
         must_be_json(path);
         DeviceClient client{options, streams};
         if (!client.may_write(path)) {
-            tell(streams, "nothing was read");
+            print_note(streams, "nothing was read");
             return failed;
         }
         const Json answer = client.run("GET", client.target("/parameters"));
         const Json made = parameter_file(answer);
         const std::string not_readable = names_not_readable(at(answer, "parameters"));
-        if (!not_readable.empty()) tell(streams, "not readable, omitted: " + not_readable);
+        if (!not_readable.empty()) print_note(streams, "not readable, omitted: " + not_readable);
         const int exit = not_readable.empty() ? fine : failed;
         if (const std::string names = names_without_value(made); !names.empty())
-            tell(streams, "inf and nan are stored as null, which import skips: " + names);
+            print_note(streams, "inf and nan are stored as null, which import skips: " + names);
         const std::string text = ano::with_json_escapes(made.dump(2, ' ', false, Json::error_handler_t::replace)) + "\n";
         if (path == "-") {
             streams.out << text;
@@ -258,7 +258,7 @@ private:
         write_file(path, text);
         const std::size_t number = made["parameters"].size();
         if (options.json) streams.out << ano::json_line(Json{{"file", path}, {"parameters", number}});
-        else say(streams, plural(number, "parameter") + " of " + client.device_words() + " in " + path);
+        else print(streams, plural(number, "parameter") + " of " + client.device_words() + " in " + path);
         return exit;
     }
     // A path with .params or .csv asks for a format that is not supported.
@@ -297,7 +297,7 @@ private:
     }
     /// Prints all parameters that do not fit this device; returns the error for them.
     std::string show_misfits(DeviceClient& client, const Json& given, const Json& answer, Streams& streams) const {
-        if (const std::string other = of_another_device(given, client.known_device()); !other.empty()) tell(streams, other);
+        if (const std::string other = of_another_device(given, client.known_device()); !other.empty()) print_note(streams, other);
         std::size_t wrong = 0;
         bool some_longer = false;
         for (const Json& row : at(answer, "parameters")) {
@@ -305,10 +305,10 @@ private:
             ++wrong;
             some_longer = some_longer || misfit_line(row).find("--longer") != std::string::npos;
             if (options.json) streams.out << ano::json_text(row) << '\n';
-            else if (all || wrong <= max_misfits) say(streams, misfit_line(row));
+            else if (all || wrong <= max_misfits) print(streams, misfit_line(row));
         }
         if (!options.json && !all && wrong > max_misfits)
-            say(streams, "and " + std::to_string(wrong - max_misfits) + " more that do not fit; to list them, add --all");
+            print(streams, "and " + std::to_string(wrong - max_misfits) + " more that do not fit; to list them, add --all");
         return plural(wrong, "parameter") + " of " + words[0] + (wrong == 1 ? " does" : " do") + " not fit " +
                client.device_words() + ": nothing was written. To write the others, remove " + (wrong == 1 ? "it" : "them") +
                " from the file" + (some_longer ? ", or allow longer texts with --longer" : "");
@@ -316,10 +316,10 @@ private:
     static constexpr std::size_t max_misfits = 8;    // lines: with more, the file is probably of another device
     static bool is_misfit(const Json& row) { return text_at(row, "state") == "failed" || text_at(row, "encodable") == "false"; }
     static void show(const Difference& d, Streams& streams) {
-        for (const std::string& line : difference_lines(d.answer)) say(streams, line);
-        if (d.changes == 0) say(streams, "no differences");
-        if (d.left_out > 0) say(streams, plural(d.left_out, "calibration parameter") + " omitted (see --with-calibration)");
-        if (!d.without_value.empty()) say(streams, "no value in the file: " + d.without_value);
+        for (const std::string& line : difference_lines(d.answer)) print(streams, line);
+        if (d.changes == 0) print(streams, "no differences");
+        if (d.left_out > 0) print(streams, plural(d.left_out, "calibration parameter") + " omitted (see --with-calibration)");
+        if (!d.without_value.empty()) print(streams, "no value in the file: " + d.without_value);
     }
 
     // Exit status like the command diff: 1: something differs; 2: the comparison failed.
@@ -331,11 +331,12 @@ private:
         }
     }
     bool differs(Streams& streams) const {
-        const Json given = parsed_parameter_file(given_text(file(), "parameters as JSON", streams), file());
+        const Json given = parsed_parameter_file(read_input(file(), "parameters as JSON", streams), file());
         DeviceClient client{options, streams};
         const Difference d = difference(client, given, true, streams);
         if (!options.json) {
-            if (const std::string other = of_another_device(given, client.known_device()); !other.empty()) tell(streams, other);
+            if (const std::string other = of_another_device(given, client.known_device()); !other.empty())
+                print_note(streams, other);
             show(d, streams);
         }
         for (const Json& row : at(d.answer, "parameters"))
@@ -344,11 +345,11 @@ private:
     }
     void show_row(const Json& row, Streams& streams) const {
         if (options.json) streams.out << ano::json_text(row) << '\n';
-        else say(streams, text_at(row, "name") + ": " + value_text(row["written"]) + " (unchanged)");
+        else print(streams, text_at(row, "name") + ": " + value_text(row["written"]) + " (unchanged)");
     }
 
     int import_from(Streams& streams) const {
-        const Json given = parsed_parameter_file(given_text(file(), "parameters as JSON", streams), file());
+        const Json given = parsed_parameter_file(read_input(file(), "parameters as JSON", streams), file());
         DeviceClient client{options, streams};
         client.will_act();
         const Difference d = difference(client, given, false, streams);
@@ -356,7 +357,7 @@ private:
         if (d.changes > 0) {
             client.must_be_able_to_ask("param import");
             const std::string other = of_another_device(given, client.known_device());
-            if (!other.empty() && options.yes) tell(streams, other);
+            if (!other.empty() && options.yes) print_note(streams, other);
             if (!other.empty() && !client.may(other + ". Continue anyway?")) return declined(streams);
             if (!client.may("Write " + plural(d.changes, "parameter") + " to " + client.device_words() + "?"))
                 return declined(streams);
@@ -392,22 +393,22 @@ private:
             const std::size_t written = rows_with(came, "written") + rows_with(came, "clamped");
             const std::size_t left = rows_with(came, "not_undone");
             const bool is_another = text_at(came, "another_device") == "true";
-            say(streams, left > 0       ? plural(left, "parameter") + " could not be undone"
-                         : written == 0 ? "no parameter was written"
-                         : is_another   ? plural(written, "parameter") + " written to the device that was there before"
-                                        : plural(written, "parameter") + " written; to save permanently: anoctl param save");
-            for (const std::string& line : difference_lines(without_the_written(came))) say(streams, line);
+            print(streams, left > 0       ? plural(left, "parameter") + " could not be undone"
+                           : written == 0 ? "no parameter was written"
+                           : is_another   ? plural(written, "parameter") + " written to the device that was there before"
+                                          : plural(written, "parameter") + " written; to save permanently: anoctl param save");
+            for (const std::string& line : difference_lines(without_the_written(came))) print(streams, line);
         }
-        if (const std::string note = text_at(came, "note"); !note.empty()) tell(streams, note);
+        if (const std::string note = text_at(came, "note"); !note.empty()) print_note(streams, note);
         if (!why.empty() && (rollback || failures == 0)) throw Failure{why};
         if (failures > 0)
             throw Failure{plural(failures, "parameter") + (failures == 1 ? " was" : " were") + " not written" +
                           (untried > 0 ? ", and " + std::to_string(untried) + " not attempted: " + why : "")};
         if (wrong == 0 && is_kept_by_calibration(words[0]) && is_file(words[0]))    // a gateway removes its own file itself
-            tell(streams,
-                 "the old calibration was restored; save it (anoctl param save), then remove " + words[0] +
-                     (is_in_state_folder(words[0]) ? ". Until then, anoctl calibrate --link does not start another calibration"
-                                                   : ""));
+            print_note(streams, "the old calibration was restored; save it (anoctl param save), then remove " + words[0] +
+                                    (is_in_state_folder(words[0])
+                                         ? ". Until then, anoctl calibrate --link does not start another calibration"
+                                         : ""));
         return wrong == 0 ? fine : failed;
     }
 };

@@ -37,7 +37,7 @@ std::string color_name(std::uint8_t color) {
     return {};
 }
 
-Pictures::Taken Pictures::take(ano::FrameView frame, ano::TimePoint now, double time) {
+Pictures::Taken Pictures::accept(ano::FrameView frame, ano::TimePoint now, double time) {
     Taken taken;
     if (frame.id() != 0xB0) return taken;
     const auto image = ano::as<"image">(frame);

@@ -44,7 +44,7 @@ public:
     };
     /// `frame`: any frame; frames other than 0xB0 are ignored. `now`: its time of arrival; `time`: the same in seconds since
     /// 1970.
-    Taken take(ano::FrameView frame, ano::TimePoint now, double time);
+    Taken accept(ano::FrameView frame, ano::TimePoint now, double time);
     /// To be called after the last frame. Returns the incomplete pictures.
     std::vector<Picture> end();
 

@@ -37,7 +37,7 @@ std::string misfit_of(const std::string& word, const std::string& type_name, std
     ano::host::ParameterInfo info;
     info.type = type;
     info.mul = mul;
-    const std::string misfit = ano::host::words_of_misfit(ano::host::append(bytes, value, info), info);
+    const std::string misfit = ano::host::format_misfit(ano::host::append(bytes, value, info), info);
     return misfit.empty() ? misfit : ano::in_quotes(word) + " " + misfit;
 }
 

@@ -45,7 +45,7 @@ private:
         const std::string form = format.empty() ? form_of_name(file) : format;
         DeviceClient client{options, streams};
         if (!client.may_write(file)) {
-            tell(streams, "nothing was read");
+            print_note(streams, "nothing was read");
             return failed;
         }
         const Json answer = client.run("GET", client.target("/waypoints" + query(form)));
@@ -55,11 +55,11 @@ private:
             return fine;
         }
         write_file(file, whole);
-        tell(streams, "waypoints of " + client.device_words() + " saved to " + file);
+        print_note(streams, "waypoints of " + client.device_words() + " saved to " + file);
         return fine;
     }
 
-    Json given(Streams& streams) const { return json_in_text(given_text(file, "waypoints as JSON", streams), file); }
+    Json given(Streams& streams) const { return json_in_text(read_input(file, "waypoints as JSON", streams), file); }
 
     /// Parsed as the gateway parses it, so that errors in the file are reported before the user is asked.
     std::vector<ano::host::Waypoint> waypoints_of(const Json& json, const std::string& form) const {
@@ -78,9 +78,10 @@ private:
         client.must_be_able_to_ask("waypoint put");
         const std::size_t had = at(client.run("GET", client.target("/waypoints")), "waypoints").size();
         const std::string before = overwriting_text(waypoints, had) + speedless_text(json, form, waypoints);
-        if (options.yes && !before.empty()) tell(streams, client.device_words() + ": " + before.substr(0, before.size() - 1));
+        if (options.yes && !before.empty())
+            print_note(streams, client.device_words() + ": " + before.substr(0, before.size() - 1));
         if (!client.may(before + "Write " + plural(waypoints.size(), "waypoint") + " to " + client.device_words() + "?")) {
-            tell(streams, "nothing was written");
+            print_note(streams, "nothing was written");
             return failed;
         }
         const Json came = client.run("PUT", client.target("/waypoints" + query(form)), json.dump());
@@ -89,8 +90,8 @@ private:
             return fine;
         }
         const std::string note = text_at(came, "note");
-        say(streams,
-            client.device_words() + ": " + plural(waypoints.size(), "waypoint") + " written" + (note.empty() ? "" : "; " + note));
+        print(streams, client.device_words() + ": " + plural(waypoints.size(), "waypoint") + " written" +
+                           (note.empty() ? "" : "; " + note));
         return fine;
     }
 };

@@ -96,7 +96,7 @@ public:
     }
     Port(const Port&) = delete;
     Port& operator=(const Port&) = delete;
-    ~Port() { terminal::give_back(fd_.get()); }
+    ~Port() { terminal::release_exclusive(fd_.get()); }
 
     int fd() const noexcept { return fd_.get(); }
     /// Returns empty, or the reason why the driver can't set this rate.
@@ -146,11 +146,11 @@ private:
             const bool first = parser.counters().bytes_in == 0;
             if (read_some(parser, left) && first && parser.counters().bytes_in > 0) end = ano::Clock::now() + time_.at(baud);
             parser.expire(ano::Clock::now());
-            take_frames(parser, heard);
+            read_frames(parser, heard);
             if (heard.counters.frames_in >= 2 || ano::Clock::now() >= end) break;
         }
         parser.finish();
-        take_frames(parser, heard);
+        read_frames(parser, heard);
         return heard;
     }
 
@@ -168,7 +168,7 @@ private:
         parser.commit(static_cast<std::size_t>(n), ano::Clock::now());
         return true;
     }
-    static void take_frames(ano::FrameParser& parser, HeardAtRate& heard) {
+    static void read_frames(ano::FrameParser& parser, HeardAtRate& heard) {
         while (const auto frame = parser.next()) heard.from.insert(frame->source());
         heard.counters = parser.counters();
     }

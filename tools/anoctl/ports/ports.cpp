@@ -49,7 +49,7 @@ std::string safe(const std::string& text) {
     return out;
 }
 
-std::string told(const SerialPort& port) {
+std::string format_port(const SerialPort& port) {
     std::string first = port.device + "  " + (port.driver.empty() ? "no driver" : port.driver);
     if (!port.product.empty()) first += "  " + safe(port.product);
     if (!port.usb.empty()) first += "  (" + port.usb + ")";
@@ -81,7 +81,7 @@ Json as_json(const SerialPort& port) {
             {"missing", port.missing}};
 }
 
-std::string told(const CanInterface& can, const CanFigures& figures) {
+std::string format_port(const CanInterface& can, const CanFigures& figures) {
     std::string first = can.name + "  " + (can.driver.empty() ? "virtual" : can.driver) +
                         (can.up ? "  up" : "  down; to bring it up:");
     if (can.up && !figures.bus.empty()) first += std::string{"  "} + std::string{figures.bus};
@@ -109,13 +109,13 @@ void write_ports(const std::filesystem::path& root, const anogate::DeviceUser& a
     const auto serial = serial_ports(root, asker);
     for (const SerialPort& port : serial) {
         if (json) out << ano::json_text(as_json(port)) << '\n';
-        else out << told(port);
+        else out << format_port(port);
     }
     const auto can = can_interfaces(root);
     for (const CanInterface& interface : can) {
         const CanFigures figures = root == "/" ? can_figures(interface.name) : CanFigures{};
         if (json) out << ano::json_text(as_json(interface, figures)) << '\n';
-        else out << told(interface, figures);
+        else out << format_port(interface, figures);
     }
     if (json) return;
     if (serial.empty())

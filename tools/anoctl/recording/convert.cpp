@@ -66,7 +66,7 @@ public:
     virtual void use(const DecodingPtr& decoding) = 0;
     /// The encoding of the texts in the next item.
     virtual void read_as(ano::Encoding /*encoding*/) {}
-    virtual void take(const Recorded& item, const RecordingHead& head) = 0;
+    virtual void accept(const Recorded& item, const RecordingHead& head) = 0;
     virtual void end() = 0;
     /// The written files; valid after end().
     virtual std::vector<std::string> files() const = 0;
@@ -93,7 +93,7 @@ public:
         for (const auto& [id, file] : files_) file->csv.use(decoding->layouts());
     }
     void read_as(ano::Encoding encoding) override { options_.encoding = encoding; }
-    void take(const Recorded& item, const RecordingHead&) override {
+    void accept(const Recorded& item, const RecordingHead&) override {
         const auto* frame = std::get_if<RecordedFrame>(&item);
         if (frame == nullptr) return;
         File& file = file_of(frame->frame.id());
@@ -147,7 +147,7 @@ public:
         options_.flexible = &decoding_->layouts();
     }
     void read_as(ano::Encoding encoding) override { options_.encoding = encoding; }
-    void take(const Recorded& item, const RecordingHead&) override {
+    void accept(const Recorded& item, const RecordingHead&) override {
         to_.bytes += anogate::recorded_json(item, options_) + '\n';
         to_.write_if(batch);
     }
@@ -171,7 +171,7 @@ public:
         decoding_ = decoding;
         if (writer_) writer_->use(decoding_, to_.bytes);
     }
-    void take(const Recorded& item, const RecordingHead& head) override {
+    void accept(const Recorded& item, const RecordingHead& head) override {
         if (!writer_) begin(head);
         if (const auto* loss = std::get_if<RecordedLoss>(&item)) writer_->write(*loss);
         else writer_->write(std::get<RecordedFrame>(item), to_.bytes);
@@ -225,11 +225,11 @@ struct Convert {
                 target->read_as(encodings.of(frame->frame, frame->link, frame->direction == anogate::Direction::in, used.get()));
             if (frame != nullptr && !wanted[frame->frame.id()]) return;
             taken += frame != nullptr;
-            target->take(item, head);
+            target->accept(item, head);
         });
         target->end();
-        for (const std::string& note : facts.notes()) tell(streams, file + ": " + note);
-        tell(streams, counted(taken, "frame") + " of " + file + " written" + places(target->files()));
+        for (const std::string& note : facts.notes()) print_note(streams, file + ": " + note);
+        print_note(streams, counted(taken, "frame") + " of " + file + " written" + places(target->files()));
         return facts.is_damaged() ? failed : fine;
     }
 

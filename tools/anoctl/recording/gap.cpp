@@ -32,18 +32,18 @@ std::size_t last_row(Bytes gap) {
 
 std::vector<GapPart> parts_of(Bytes gap) {
     std::vector<GapPart> parts;
-    const auto take_frames = [&] {
+    const auto read_frames = [&] {
         for (std::size_t size = frame_size(gap); size > 0; size = frame_size(gap)) {
             parts.push_back({gap.first(size), ano::checks_of(gap.first(size - 2))});
             gap = gap.subspan(size);
         }
     };
-    take_frames();
+    read_frames();
     if (const std::size_t row = last_row(gap); row > 0) {
         parts.push_back({gap.first(row), {}});
         gap = gap.subspan(row);
     }
-    take_frames();
+    read_frames();
     return parts;
 }
 

@@ -33,12 +33,12 @@ Json numbers_of(const Json& value) {
 
 std::vector<std::string> plot_json(ano::FrameView frame, const std::string& link, double time, const ano::JsonOptions& options,
                                    std::size_t max_bytes) {
-    const Json said = ano::frame_to_json(frame, options);
-    const auto fields = said.find("fields");
-    if (fields == said.end()) return {};
+    const Json decoded = ano::frame_to_json(frame, options);
+    const auto fields = decoded.find("fields");
+    if (fields == decoded.end()) return {};
     Json numbers = numbers_of(*fields);
     if (numbers.is_null()) return {};
-    const std::string name = said.value("name", ano::hex_byte(frame.id()));
+    const std::string name = decoded.value("name", ano::hex_byte(frame.id()));
     Json plot{{"timestamp", time}};
     Json& place = plot[link == "timestamp" ? "link timestamp" : link][ano::hex_byte(frame.source())][name];
     place = Json::object();

@@ -27,7 +27,7 @@ namespace {
 
 using namespace anogate;
 
-class Plotted final : public FrameTaker {
+class Plotted final : public FrameReceiver {
 public:
     Plotted(const Endpoint& to, const WantedFrames& wanted, const FrameOptions& frames, Streams& streams)
         : to_{to}, wanted_{wanted}, layouts_{frames.layouts()}, options_{frames.json_options(layouts_)}, streams_{streams} {
@@ -39,7 +39,7 @@ public:
         keep_error_reports(socket_.get(), to.address.v6);
     }
 
-    bool take(ano::FrameView frame, const Passage& passage) override {
+    bool accept(ano::FrameView frame, const Passage& passage) override {
         if (!wanted_.takes(frame)) return true;
         const auto objects = plot_json(frame, passage.link, passage.time, options_);
         if (objects.empty()) return true;
@@ -55,7 +55,7 @@ public:
         std::string text = counted(sent, "frame") + " sent to " + to_.text();
         if (not_sent > 0) text += "; " + std::to_string(not_sent) + " failed: " + why;
         if (lost > 0) text += "; " + std::to_string(lost) + " dropped by the gateway because its buffer was full";
-        tell(streams, text);
+        print_note(streams, text);
     }
 
     std::uint64_t sent = 0, not_sent = 0, lost = 0;
@@ -66,25 +66,25 @@ private:
         const std::span<const std::uint8_t> bytes{reinterpret_cast<const std::uint8_t*>(json.data()), json.size()};
         int error = send_datagram(socket_.get(), to_, bytes, to_.address.v6);
         if (may_be_reported(error)) {    // error of an earlier datagram; this one was not sent
-            take_error_reports(socket_.get(), [this](const Endpoint&) { tell_that_nobody_listens(); });
-            if (error == EHOSTUNREACH || error == ENETUNREACH) tell_that_none_leave(error);    // the second attempt may succeed
+            read_error_reports(socket_.get(), [this](const Endpoint&) { report_no_listener(); });
+            if (error == EHOSTUNREACH || error == ENETUNREACH) report_unsent(error);    // the second attempt may succeed
             error = send_datagram(socket_.get(), to_, bytes, to_.address.v6);
         }
         if (error == 0) return true;
         why = error_text(error);
-        if (error != EAGAIN && error != EINTR) tell_that_none_leave(error);
+        if (error != EAGAIN && error != EINTR) report_unsent(error);
         return false;
     }
 
-    void tell_that_none_leave(int error) {
-        if (std::exchange(is_told_that_none_leave_, true)) return;
-        tell(streams_, "cannot send to " + to_.text() + ": " + error_text(error) + "; retrying with each frame");
+    void report_unsent(int error) {
+        if (std::exchange(has_reported_unsent_, true)) return;
+        print_note(streams_, "cannot send to " + to_.text() + ": " + error_text(error) + "; retrying with each frame");
     }
 
-    void tell_that_nobody_listens() {
-        if (std::exchange(is_told_, true)) return;
-        tell(streams_, "nothing listens at " + to_.text() +
-                           "; start PlotJuggler's UDP Server there, with the protocol json. Frames are still sent");
+    void report_no_listener() {
+        if (std::exchange(has_reported_no_listener_, true)) return;
+        print_note(streams_, "nothing listens at " + to_.text() +
+                                 "; start PlotJuggler's UDP Server there, with the protocol json. Frames are still sent");
     }
 
     const Endpoint to_;
@@ -93,8 +93,8 @@ private:
     const ano::JsonOptions options_;
     Streams& streams_;
     UniqueFd socket_;
-    bool is_told_ = false;    // the message that nothing listens was printed
-    bool is_told_that_none_leave_ = false;
+    bool has_reported_no_listener_ = false;    // the message that nothing listens was printed
+    bool has_reported_unsent_ = false;
 };
 
 struct PlotOptions {

@@ -46,7 +46,7 @@ anogate::RecordingHead head_now(anogate::DecodingPtr decoding) {
             static_cast<std::uint64_t>(std::chrono::nanoseconds{clocks.boot}.count()), std::move(decoding)};
 }
 
-class Recorder final : public FrameTaker {
+class Recorder final : public FrameReceiver {
 public:
     using Descriptions = std::map<std::string, std::string>;
 
@@ -59,7 +59,7 @@ public:
           writer_{anogate::make_recording_writer(format, head_now(decoding_), waiting_, options)},
           flush_time_{format == anogate::RecordingFormat::mcap ? chunk_time : Clock::duration{}} {}
 
-    bool take(ano::FrameView frame, const Passage& passage) override {
+    bool accept(ano::FrameView frame, const Passage& passage) override {
         const auto described = descriptions_.find(passage.link);
         const std::string_view description = described != descriptions_.end() ? std::string_view{described->second} : "";
         writer_->write({.time_ns = passage.time_ns,
@@ -178,7 +178,7 @@ private:
         const std::string name = file.substr(file.rfind('/') + 1);
         if (name.empty() || name == "-" || anogate::recording_format_of(name)) return;
         if (name.rfind('.') != name.npos) throw UsageError{ending_refused(file)};
-        tell(streams, file + ": writing pcapng; for MCAP, end the name with .mcap");
+        print_note(streams, file + ": writing pcapng; for MCAP, end the name with .mcap");
     }
     anogate::RecordingFormat format() const {
         return anogate::recording_format_of(file).value_or(anogate::RecordingFormat::pcapng);
@@ -197,7 +197,7 @@ private:
         if (json)
             (file == "-" ? streams.err : streams.out)
                 << ano::json_text(ano::Json{{"file", file}, {"bytes", output.size()}}) << '\n';
-        else tell(streams, file + ": " + counted(output.size(), "byte") + ", the latest frames kept by the gateway");
+        else print_note(streams, file + ": " + counted(output.size(), "byte") + ", the latest frames kept by the gateway");
         return fine;
     }
     std::string query() const {
@@ -234,7 +234,7 @@ private:
         if (recorder.lost > 0)
             text += "; " + counted(recorder.lost, "frame") + (recorder.lost == 1 ? " is" : " are") +
                     " missing: the buffer of the gateway was full";
-        tell(streams, text);
+        print_note(streams, text);
     }
 };
 

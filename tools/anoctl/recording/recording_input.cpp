@@ -42,7 +42,7 @@ bool RecordingInput::read() {
     if (n < 0) fail_to_read(path_);
     const std::string_view bytes{room_.data(), static_cast<std::size_t>(n)};
     if (size_ == 0 && n > 0) reader_ = anogate::make_recording_reader(bytes);
-    reader_->give(bytes);
+    reader_->feed(bytes);
     size_ += static_cast<std::size_t>(n);
     return n > 0;
 }
@@ -103,9 +103,9 @@ std::optional<IndexedRecording> read_index(const std::string& path) {
     return recording;
 }
 
-RecordingFacts read_recording(const std::string& path, Streams& streams, const TakeRecorded& take) {
+RecordingFacts read_recording(const std::string& path, Streams& streams, const OnRecorded& accept) {
     RecordingInput input{path, streams};
-    while (const auto item = input.next()) take(*item, input.head());
+    while (const auto item = input.next()) accept(*item, input.head());
     return input.facts();
 }
 

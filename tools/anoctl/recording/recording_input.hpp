@@ -67,8 +67,8 @@ struct IndexedRecording {
 };
 std::optional<IndexedRecording> read_index(const std::string& path);
 
-/// Reads to the end, and passes each item to `take` with the head of its recording.
-using TakeRecorded = std::function<void(const anogate::Recorded& item, const anogate::RecordingHead& head)>;
-RecordingFacts read_recording(const std::string& path, Streams& streams, const TakeRecorded& take);
+/// Reads to the end, and passes each item to `accept` with the head of its recording.
+using OnRecorded = std::function<void(const anogate::Recorded& item, const anogate::RecordingHead& head)>;
+RecordingFacts read_recording(const std::string& path, Streams& streams, const OnRecorded& accept);
 
 }    // namespace anoctl

@@ -91,7 +91,7 @@ private:
         }
         http::Outcome outcome = http::ask(gateway.socket(), std::move(request));
         if (!outcome.fault.empty()) throw Failure{outcome.fault};
-        if (outcome.answer.status / 100 != 2) throw Failure{words_of(outcome.answer)};
+        if (outcome.answer.status / 100 != 2) throw Failure{format_failure(outcome.answer)};
         return parse_answer(outcome.answer.body);
     }
 
@@ -105,11 +105,11 @@ private:
         if (table.empty()) streams.out << "no recordings yet\n";
         else table.write(streams.out, {}, streams.terminal ? streams.width : 0);
         const std::string folder = text_at(all, "folder"), error = text_at(all, "error"), free = text_at(all, "free_bytes");
-        if (!error.empty()) say(streams, error);
-        else if (!free.empty()) say(streams, folder + ": " + size_of(number_at(all, "free_bytes")) + " free");
+        if (!error.empty()) print(streams, error);
+        else if (!free.empty()) print(streams, folder + ": " + size_of(number_at(all, "free_bytes")) + " free");
         if (const Json& kept = at(all, "keep_last"); kept.is_object())
-            say(streams, "in memory: " + counted(static_cast<std::uint64_t>(number_at(kept, "frames")), "frame") +
-                             " of the last " + time_text(number_at(kept, "held_s")) + ", " + size_of(number_at(kept, "bytes")));
+            print(streams, "in memory: " + counted(static_cast<std::uint64_t>(number_at(kept, "frames")), "frame") +
+                               " of the last " + time_text(number_at(kept, "held_s")) + ", " + size_of(number_at(kept, "bytes")));
         return fine;
     }
     static Table::Line cells_of_running(const Json& one) {
@@ -122,12 +122,12 @@ private:
             note += (note.empty() ? "" : "; ") + sum.of + ": " + sum.frames;
         }
         const std::string file = text_at(one, "file");
-        const bool tells_of_the_file = one.contains("file_seconds");    // false for older gateways
+        const bool has_file_details = one.contains("file_seconds");    // false for older gateways
         return {file.empty() ? text_at(one, "name") : file,
                 state,
                 size_of(number_at(one, "file_bytes")),
                 text_at(one, "file_frames"),
-                time_text(number_at(one, tells_of_the_file ? "file_seconds" : "seconds")),
+                time_text(number_at(one, has_file_details ? "file_seconds" : "seconds")),
                 note};
     }
     static Table::Line cells_of_file(const Json& one) {
@@ -151,7 +151,7 @@ private:
             {"id", &ids}, {"from", &from}, {"to", &to}, {"link", &links}, {"direction", &directions}};
         for (const auto& [key, words] : filters)
             if (!words->empty()) body[key] = *words;
-        return say_one(ask("POST", "/recordings", body), "started", streams);
+        return print_one(ask("POST", "/recordings", body), "started", streams);
     }
     // With --format, the name may have any extension.
     void check_ending() const {
@@ -164,10 +164,10 @@ private:
         if (!name.empty()) body["name"] = name;
         if (!format.empty()) body["format"] = format;
         if (!encoding.empty()) body["message_encoding"] = encoding;
-        return say_one(ask("POST", "/recordings", body), "saved", streams);
+        return print_one(ask("POST", "/recordings", body), "saved", streams);
     }
-    int end(Streams& streams) const { return say_one(ask("POST", path_of(name) + "/end", Json::object()), "stopped", streams); }
-    int remove(Streams& streams) const { return say_one(ask("DELETE", path_of(file_meant())), "deleted", streams); }
+    int end(Streams& streams) const { return print_one(ask("POST", path_of(name) + "/end", Json::object()), "stopped", streams); }
+    int remove(Streams& streams) const { return print_one(ask("DELETE", path_of(file_meant())), "deleted", streams); }
 
     /// NAME with the extension of its only file. Unchanged if there is none: the gateway then reports the error.
     std::string file_meant() const {
@@ -184,13 +184,13 @@ private:
                          (files.size() > max_named ? ", …" : "")};
     }
 
-    int say_one(const Json& answer, const char* became, Streams& streams) const {
+    int print_one(const Json& answer, const char* became, Streams& streams) const {
         if (json) return streams.out << ano::json_text(answer) << '\n', fine;
         const RecordingSum sum = sum_of_recording(answer);
         const std::string error = text_at(answer, "error");
         std::string text = sum.of + " " + became;
         if (number_at(answer, "frames") > 0) text += ", " + sum.frames;
-        say(streams, text + (error.empty() ? "" : "; " + error));
+        print(streams, text + (error.empty() ? "" : "; " + error));
         return fine;
     }
 
@@ -203,7 +203,7 @@ private:
         for (std::uint64_t at = 0, size = 1; at < size;) {
             const http::Answer part = piece_at(which, at, tag);
             if (part.status == 416) break;    // the file is empty
-            if (part.status / 100 != 2) throw Failure{words_of(part)};
+            if (part.status / 100 != 2) throw Failure{format_failure(part)};
             if (part.status != 206 && at > 0) throw Failure{which + " changed meanwhile; get it again"};
             const std::string_view range = part.header("Content-Range");
             const auto whole = ano::parse_number(range.substr(range.rfind('/') + 1));
@@ -218,7 +218,7 @@ private:
         }
         if (!output) output = std::make_unique<RecordingOutput>(into, force, streams);
         output->sync();
-        if (into != "-") tell(streams, into + ": " + counted(output->size(), "byte"));
+        if (into != "-") print_note(streams, into + ": " + counted(output->size(), "byte"));
         return fine;
     }
     /// The path of the output; FILE may be a folder, such as ".".

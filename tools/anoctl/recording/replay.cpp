@@ -40,7 +40,7 @@ constexpr auto patience_with_link = std::chrono::seconds{5};    // for a link th
 constexpr auto time_to_leave = std::chrono::seconds{2};         // to send the last frames
 constexpr int max_at_once = 64;                                 // frames per turn; then the loop serves the link
 
-class Replayer final : public FrameTaker {
+class Replayer final : public FrameReceiver {
 public:
     Replayer(RecordingInput& input, const anogate::LinkSettings& settings, bool commands, double rate, Streams& streams)
         : input_{input},
@@ -63,7 +63,7 @@ public:
     }
 
     // Frames received on the link are ignored.
-    bool take(ano::FrameView, const Passage&) override { return true; }
+    bool accept(ano::FrameView, const Passage&) override { return true; }
     bool flush() override { return true; }
     void miss(std::uint64_t, const std::string&, std::string_view) override {}
 
@@ -87,11 +87,11 @@ private:
 
     // Reports the first fault of the link: for example that nothing listens there.
     void look_for_trouble() {
-        if (has_told_) return;
+        if (has_reported_) return;
         const std::string trouble = link_.trouble();
         if (trouble.empty()) return;
-        has_told_ = true;
-        tell(streams_, link_.name() + ": " + trouble);
+        has_reported_ = true;
+        print_note(streams_, link_.name() + ": " + trouble);
     }
 
     void step() {
@@ -136,7 +136,7 @@ private:
 
     void end() {
         look_for_trouble();
-        not_sent = link_.waiting() + link_.given_up();
+        not_sent = link_.waiting() + link_.dropped_frames();
         link_.stop();
         io_.stop();
     }
@@ -153,7 +153,7 @@ private:
     std::optional<RecordedFrame> next_;    // valid until the next one is read
     std::optional<ano::TimePoint> due_;
     std::optional<ano::TimePoint> waits_since_;    // since when the queue of the link is not empty
-    bool has_told_ = false;                        // the fault of the link was reported
+    bool has_reported_ = false;                    // the fault of the link was reported
 };
 
 struct Replay {
@@ -168,7 +168,7 @@ struct Replay {
         replayer.run();
         const RecordingFacts facts = input.facts();
         if (!replayer.was_interrupted)
-            for (const std::string& note : facts.notes()) tell(streams, file + ": " + note);
+            for (const std::string& note : facts.notes()) print_note(streams, file + ": " + note);
         if (json) {
             streams.out << ano::json_text(ano::Json{
                                {"frames", replayer.given}, {"not_sent", replayer.not_sent}, {"kept_back", replayer.kept_back}})
@@ -182,7 +182,7 @@ struct Replay {
             if (replayer.kept_back > 0)
                 text += "; " + std::to_string(replayer.kept_back) +
                         " from hosts or commanding a vehicle omitted; use --commands to include them";
-            tell(streams, text);
+            print_note(streams, text);
         }
         if (replayer.was_interrupted) return interrupted;
         return !facts.is_damaged() && replayer.not_sent == 0 ? fine : failed;

@@ -78,7 +78,7 @@ private:
             if (wanted.empty()) throw Failure{"no port selected; nothing was changed"};
             for (const SerialPort& one : ports)
                 if (one.device == wanted || one.stable == wanted || one.device == "/dev/" + wanted) return lasting_name(one);
-            tell(streams, "no port " + ano::in_quotes(wanted) + " in the list above");
+            print_note(streams, "no port " + ano::in_quotes(wanted) + " in the list above");
         }
     }
     static std::string lasting_name(const SerialPort& port) { return port.stable.empty() ? port.device : port.stable; }
@@ -90,10 +90,10 @@ private:
             return rate_of_the_vendor;
         try {
             const FoundRate found = find_rate(port, streams);
-            say(streams, port + (found.any_rate ? ": any baud rate works" : ": " + std::to_string(found.baud) + " baud"));
+            print(streams, port + (found.any_rate ? ": any baud rate works" : ": " + std::to_string(found.baud) + " baud"));
             return found.any_rate ? 0 : found.baud;
         } catch (const Failure& nothing) {
-            tell(streams, nothing.what());
+            print_note(streams, nothing.what());
             if (!may(streams,
                      "Continue with " + std::to_string(rate_of_the_vendor) + " baud? Some devices send only after a hello."))
                 throw Failure{"nothing was changed"};
@@ -113,13 +113,13 @@ private:
         const std::string wrong = anogate::keep_file(file, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
         if (!wrong.empty()) throw Failure{wrong};
         fs::permissions(file, fs::perms{0644}, ec);
-        say(streams, file + " written");
+        print(streams, file + " written");
         return true;
     }
 
     bool start_service(Streams& streams) const {
         if (!may(streams, "Enable and start the service now?")) {
-            say(streams, "to start it later: sudo systemctl enable --now anogated");
+            print(streams, "to start it later: sudo systemctl enable --now anogated");
             return false;
         }
         for (const std::vector<std::string>& words :
@@ -135,16 +135,16 @@ private:
 
     int show_page(Streams& streams) const {
         const bool has_screen = std::getenv("DISPLAY") != nullptr || std::getenv("WAYLAND_DISPLAY") != nullptr;
-        say(streams, std::string{"Page: "} + url_of_page);
-        say(streams, "To sign in: sudo anoctl web --open, or sudo anoctl web --pair for a code to type");
-        say(streams, "Status: sudo anoctl status");
+        print(streams, std::string{"Page: "} + url_of_page);
+        print(streams, "To sign in: sudo anoctl web --open, or sudo anoctl web --pair for a code to type");
+        print(streams, "Status: sudo anoctl status");
         if (!has_screen || !may(streams, "Open the page?")) return fine;
         try {
             await_page();
             streams.out.flush();
             SignIn{gateway, false}.open(url_of_page);
         } catch (const Failure& failure) {
-            tell(streams, failure.what());
+            print_note(streams, failure.what());
         }
         return fine;
     }

@@ -55,8 +55,8 @@ void write_details(std::ostream& out, const Message& row, bool color) {
     const auto dimmed = [&](const std::string& text) { return color ? "\x1b[2m" + text + "\x1b[0m" : text; };
     out << hex_byte(row.id) << ' ' << row.name << ' ' << dimmed(std::string{name_of(row.traffic.traffic_class)}) << ": "
         << row.title;
-    if (!row.is_base()) out << " (layout " << row.variant.label << taken_for(row) << ')';
-    if (row.is_base()) out << taken_for(row);
+    if (!row.is_base()) out << " (layout " << row.variant.label << selection_rule(row) << ')';
+    if (row.is_base()) out << selection_rule(row);
     out << '\n';
     Table table{{"field", "type", "unit", "range", "values"}};
     for (const Field& f : row.fields()) table.row(line_of(f, ""));

@@ -42,7 +42,7 @@ std::string padded(std::string text, std::size_t columns) {
     return text;
 }
 
-std::string shown(const Json& value) {
+std::string format_value(const Json& value) {
     if (value.is_string()) return in_quotes(value.get_ref<const std::string&>(), '"');
     if (value.is_number_float()) return number_text(value.get<double>());
     return value.dump(-1, ' ', true);
@@ -65,11 +65,11 @@ Json with_hex(const Json& value, const Field& field) {
 }
 
 // As text, without the quotation marks of bytes, addresses and codes.
-std::string shown(const Json& given, const Field* field) {
+std::string format_value(const Json& given, const Field* field) {
     const Json value = field != nullptr ? with_hex(given, *field) : given;
     if (field != nullptr && field->role == Role::code && value.is_string()) return value.get<std::string>();
     const bool bare = field != nullptr && (field->type == Type::bytes || field->type == Type::ip) && value.is_string();
-    return bare && !value.get_ref<const std::string&>().empty() ? value.get<std::string>() : shown(value);
+    return bare && !value.get_ref<const std::string&>().empty() ? value.get<std::string>() : format_value(value);
 }
 
 const Field* field_of(const Reading& reading, const std::string& name) { return reading.field(name); }
@@ -202,10 +202,10 @@ void FramePrinter::plain(FrameView frame, const Json& json, bool passes) {
                  << json.value("name", "-");
     if (json.contains("fields"))
         for (const auto& [name, value] : json["fields"].items())
-            streams_.out << ' ' << name << '=' << shown(value, field_of(reading, name));
+            streams_.out << ' ' << name << '=' << format_value(value, field_of(reading, name));
     if (passes) streams_.out << with_blank(unknown_layout(reading, frame));
     for (const char* key : {"extra", "data"})
-        if (json.contains(key)) streams_.out << ' ' << key << '=' << shown(json[key]);
+        if (json.contains(key)) streams_.out << ' ' << key << '=' << format_value(json[key]);
     streams_.out << '\n';
 }
 
@@ -217,7 +217,7 @@ void FramePrinter::columns(FrameView frame, const Json& json, std::ostream& out)
     if (json.contains("fields")) {
         for (const auto& [name, value] : json["fields"].items()) {
             const Field* f = field_of(reading, name);
-            std::string text = shown(value, f);
+            std::string text = format_value(value, f);
             if (f != nullptr && !value.is_null() && !f->unit.empty()) text.append(" ").append(f->unit);
             if (f != nullptr) text += meaning_of(value, *f, options_.value_type_7);
             const std::size_t room = f != nullptr && is_number(f->type) ? 9 : 0;

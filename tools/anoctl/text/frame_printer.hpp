@@ -1,7 +1,7 @@
 // Prints a frame as one line: for people on a terminal, as plain text for awk in a pipe, or as JSON.
 #pragma once
 #include <anoctl/anoctl.hpp>
-#include <anoctl/frame_taker.hpp>
+#include <anoctl/frame_receiver.hpp>
 
 #include <ano/flexible.hpp>
 #include <ano_json/frame_json.hpp>

@@ -60,7 +60,7 @@ std::string listening_place(const Json& link) {
     return link.contains("port") && !link.contains("peer") ? text_at(link, "address") : std::string{};
 }
 
-std::string Told::once(std::string_view key, const std::string& text) {
+std::string PrintedHints::once(std::string_view key, const std::string& text) {
     return key == "hint" && !text.empty() && !hints_.insert(text).second ? std::string{} : text;
 }
 

@@ -28,7 +28,7 @@ const ano::Json& at(const ano::Json& object, std::string_view key);
 std::string listening_place(const ano::Json& link);
 
 /// Remembers the texts printed for several links: a hint that several links have is printed once.
-class Told {
+class PrintedHints {
 public:
     /// `text`, or empty if it is a hint that was returned before.
     std::string once(std::string_view key, const std::string& text);

@@ -61,7 +61,7 @@ void write_layout(std::ostream& out, const Message& row) {
     out << '\n' << row.title << '.';
     if (!row.is_base()) out << " Layout `" << row.variant.label << "`";
     if (row.is_base() && row.variant.length != 0) out << " The base layout";
-    out << taken_for(row);
+    out << selection_rule(row);
     if (!row.is_base() || row.variant.length != 0) out << '.';
     if (acknowledged(row) == Acknowledged::yes) out << " Acknowledged.";
     if (acknowledged(row) == Acknowledged::as_write)
@@ -85,7 +85,7 @@ std::string type_text(const Field& f) {
     return text;
 }
 
-std::string taken_for(const Message& row) {
+std::string selection_rule(const Message& row) {
     if (row.variant.by_look)
         return ", used if the base layout would give a value out of range or unreadable text, and this layout does not";
     return row.variant.length == 0 ? "" : ", at exactly " + std::to_string(row.variant.length) + " bytes";

@@ -13,7 +13,7 @@ namespace {
 using ano::Json;
 
 /// The text before `end`; removes both from `rest`. std::nullopt: `end` is missing.
-std::optional<std::string> take_until(std::string_view& rest, char end) {
+std::optional<std::string> read_until(std::string_view& rest, char end) {
     const auto at = rest.find(end);
     if (at == std::string_view::npos) return std::nullopt;
     std::string word{rest.substr(0, at)};
@@ -22,7 +22,7 @@ std::optional<std::string> take_until(std::string_view& rest, char end) {
 }
 
 /// A label value up to its closing quotation mark.
-std::optional<std::string> take_value(std::string_view& rest) {
+std::optional<std::string> read_value(std::string_view& rest) {
     std::string value;
     for (std::size_t i = 0; i < rest.size(); ++i) {
         if (rest[i] == '"') {
@@ -37,13 +37,13 @@ std::optional<std::string> take_value(std::string_view& rest) {
 }
 
 // `rest` begins after '{'; everything up to '}' is removed.
-std::optional<Json> take_labels(std::string_view& rest) {
+std::optional<Json> read_labels(std::string_view& rest) {
     Json labels = Json::object();
     while (!rest.starts_with('}')) {
-        const auto name = take_until(rest, '=');
+        const auto name = read_until(rest, '=');
         if (!name || !rest.starts_with('"')) return std::nullopt;
         rest.remove_prefix(1);
-        auto value = take_value(rest);
+        auto value = read_value(rest);
         if (!value || rest.empty()) return std::nullopt;
         labels[*name] = std::move(*value);
         if (rest.starts_with(',')) rest.remove_prefix(1);
@@ -66,7 +66,7 @@ std::optional<Json> sample_of(std::string_view line) {
     line.remove_prefix(end);
     if (line.starts_with('{')) {
         line.remove_prefix(1);
-        auto labels = take_labels(line);
+        auto labels = read_labels(line);
         if (!labels) return std::nullopt;
         sample["labels"] = std::move(*labels);
     }

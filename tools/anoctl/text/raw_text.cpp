@@ -36,21 +36,21 @@ std::string with_time(double time, char direction, const std::string& text) {
 }    // namespace
 
 std::string harmless(std::string_view text) {
-    std::string shown;
+    std::string format_line;
     for (std::size_t at = 0; at < text.size();) {
         const auto [point, size] = code_point(text, at);
         if (point == '\t') {
-            shown += "    ";
+            format_line += "    ";
         } else if (is_harmful(point)) {
             std::array<char, 16> escaped{};
             std::snprintf(escaped.data(), escaped.size(), point < 0x80 ? "\\x%02X" : "\\u{%04X}", static_cast<unsigned>(point));
-            shown += escaped.data();
+            format_line += escaped.data();
         } else {
-            shown.append(text, at, size);
+            format_line.append(text, at, size);
         }
         at += size;
     }
-    return shown;
+    return format_line;
 }
 
 std::vector<std::string> RawText::add(char direction, double time, std::string_view bytes, ano::TimePoint now) {
@@ -71,7 +71,7 @@ std::vector<std::string> RawText::add(char direction, double time, std::string_v
         const bool is_long = line.bytes.size() >= max_line &&
                              (static_cast<std::uint8_t>(c) < 0x30 || line.bytes.size() >= 2 * max_line);
         if (c != '\n' && c != '\r' && !is_long) continue;
-        whole.push_back(shown(direction, line));
+        whole.push_back(format_line(direction, line));
         line.bytes.clear();
     }
     return whole;
@@ -85,13 +85,13 @@ std::optional<ano::TimePoint> RawText::due() const noexcept {
 }
 
 std::vector<std::string> RawText::expire(ano::TimePoint now) {
-    std::vector<std::string> shown_now;
+    std::vector<std::string> displayed;
     for (std::size_t i = 0; i < lines_.size(); ++i) {
         if (lines_[i].bytes.empty() || now < lines_[i].since + patience) continue;
-        shown_now.push_back(shown(i == 0 ? '<' : '>', lines_[i]));
+        displayed.push_back(format_line(i == 0 ? '<' : '>', lines_[i]));
         lines_[i].bytes.clear();
     }
-    return shown_now;
+    return displayed;
 }
 
 void RawText::add_hex(char direction, double time, std::string_view bytes, std::vector<std::string>& lines) const {
@@ -110,7 +110,7 @@ void RawText::add_hex(char direction, double time, std::string_view bytes, std::
     }
 }
 
-std::string RawText::shown(char direction, const Line& line) const {
+std::string RawText::format_line(char direction, const Line& line) const {
     const std::span<const std::uint8_t> bytes{reinterpret_cast<const std::uint8_t*>(line.bytes.data()), line.bytes.size()};
     return with_time(line.time, direction, harmless(ano::to_utf8(bytes, options_.encoding)));
 }

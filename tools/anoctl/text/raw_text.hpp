@@ -42,7 +42,7 @@ private:
         bool after_return = false;    // a following line feed belongs to the previous line
     };
     void add_hex(char direction, double time, std::string_view bytes, std::vector<std::string>& lines) const;
-    std::string shown(char direction, const Line& line) const;
+    std::string format_line(char direction, const Line& line) const;
 
     Options options_;
     std::array<Line, 2> lines_;    // received, sent

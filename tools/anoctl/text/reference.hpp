@@ -20,6 +20,6 @@ void write_details(std::ostream& out, const ano::Message& row, bool color);
 /// "u16", "text[20]", "bytes, to the end".
 std::string type_text(const ano::Field& field);
 /// The DATA values that select a layout, after a comma; empty for a base layout.
-std::string taken_for(const ano::Message& row);
+std::string selection_rule(const ano::Message& row);
 
 }    // namespace anoctl

@@ -20,7 +20,7 @@ const Status& member_of(const Status& object, std::string_view key) {
     const auto found = object.find(std::string{key});
     return found != object.end() ? *found : nothing;
 }
-std::string text_of_member(const Status& object, std::string_view key) {
+std::string text_member(const Status& object, std::string_view key) {
     const Status& value = member_of(object, key);
     return value.is_string() ? value.get<std::string>() : std::string{};
 }
@@ -37,7 +37,7 @@ const Status& named(const Status& list, std::string_view key, const std::string&
     static const Status nothing;
     if (list.is_array())
         for (const Status& entry : list)
-            if (text_of_member(entry, key) == name) return entry;
+            if (text_member(entry, key) == name) return entry;
     return nothing;
 }
 
@@ -74,26 +74,26 @@ void add_rates(TopChannel& row, const Status& before, const Status& now, double 
 }
 
 void add_link(TopView& view, const Status& before, const Status& now, double seconds) {
-    const std::string name = text_of_member(now, "name");
+    const std::string name = text_member(now, "name");
     const Status& channels = member_of(now, "channels");
     if (!channels.is_array() || channels.empty()) {
         TopChannel row{name, "-"};
         add_rates(row, before, now, seconds, is_alone(now));
-        if (row.causes.empty()) row.causes = text_of_member(now, "error");
+        if (row.causes.empty()) row.causes = text_member(now, "error");
         view.channels.push_back(std::move(row));
         return;
     }
     for (const Status& channel : channels) {
-        TopChannel row{name, text_of_member(channel, "peer")};
+        TopChannel row{name, text_member(channel, "peer")};
         add_rates(row, named(member_of(before, "channels"), "peer", row.peer), channel, seconds, is_alone(now));
         row.age = seconds_at(channel, "heard_s");
-        if (text_of_member(now, "state") == "waiting" && row.causes.empty()) row.causes = text_of_member(now, "error");
+        if (text_member(now, "state") == "waiting" && row.causes.empty()) row.causes = text_member(now, "error");
         view.channels.push_back(std::move(row));
     }
 }
 
 void add_address(TopView& view, const Status& route, double seconds, const HeardFrames& heard) {
-    TopAddress row{text_of_member(route, "address"), text_of_member(route, "who"), {}};
+    TopAddress row{text_member(route, "address"), text_member(route, "who"), {}};
     const Status& links = member_of(route, "links");
     if (links.is_array())
         for (const Status& link : links)
@@ -210,7 +210,7 @@ TopView top_view(const Status& before, const Status& now, double seconds, const 
     const Status& links = member_of(now, "links");
     if (links.is_array())
         for (const Status& link : links)
-            add_link(view, named(member_of(before, "links"), "name", text_of_member(link, "name")), link, seconds);
+            add_link(view, named(member_of(before, "links"), "name", text_member(link, "name")), link, seconds);
     const Status& routes = member_of(now, "routes");
     if (routes.is_array())
         for (const Status& route : routes) add_address(view, route, seconds, heard);
@@ -220,7 +220,7 @@ TopView top_view(const Status& before, const Status& now, double seconds, const 
         out += channel.out;
         dropped += channel.dropped;
     }
-    view.title = text_of_member(gateway, "name") + " " + text_of_member(gateway, "version") + ", up " +
+    view.title = text_member(gateway, "name") + " " + text_member(gateway, "version") + ", up " +
                  age_text(seconds_at(gateway, "uptime_s")) + "; frames/s: " + number(in) + " in, " + number(out) + " out, " +
                  number(dropped) + " dropped";
     return view;

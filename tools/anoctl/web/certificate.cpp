@@ -39,8 +39,8 @@ struct CertificateCommand {
         const bool is_new = !fs::exists(authority.certificate);
         if (is_new) must(make_authority(name_of_authority(computer.name), authority));
         must(make_signed_certificate(whose == computer.name ? names_for(computer) : names_of_another(whose), made, authority));
-        give_to_service(made.key);
-        tell(authority, made, is_new, streams.out);
+        set_service_owner(made.key);
+        print_result(authority, made, is_new, streams.out);
         return fine;
     }
 
@@ -57,7 +57,7 @@ private:
         if (anogate::IpAddress::parse(name)) return {{}, {name}};
         return {names_of({name, {}}), {}};
     }
-    static void tell(const CertificateFiles& authority, const CertificateFiles& made, bool is_new, std::ostream& out) {
+    static void print_result(const CertificateFiles& authority, const CertificateFiles& made, bool is_new, std::ostream& out) {
         if (is_new)
             out << authority.certificate << ": a new authority; every computer needs this file\n"
                 << authority.key << ": its key, which signs further certificates; keep it secret, on this computer\n";

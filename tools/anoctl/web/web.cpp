@@ -52,7 +52,7 @@ std::string why_not(const Json& http, const std::string& file) {
            ", or start anogated with --http 0.0.0.0:8088, and restart it; 127.0.0.1:8088 limits access to this computer";
 }
 
-void tell_door(const Json& http, const WebDoor& door, const Computer& computer, std::ostream& out) {
+void print_door(const Json& http, const WebDoor& door, const Computer& computer, std::ostream& out) {
     for (const std::string& url : urls_of(door, computer)) out << url << '\n';
     if (door.address.is_loopback()) {
         const std::string port = std::to_string(door.port);
@@ -70,7 +70,7 @@ void tell_door(const Json& http, const WebDoor& door, const Computer& computer, 
     if (const auto known_by = anogate::http::fingerprint(certificate)) out << "SHA-256 fingerprint " << *known_by << '\n';
 }
 
-void tell_certificate(const MadeCertificate& made, std::ostream& out) {
+void print_certificate(const MadeCertificate& made, std::ostream& out) {
     std::vector<std::string> names;
     for (const std::string& name : made.names) names.push_back(without_controls(name));
     out << list_text("for ", names) << '\n'
@@ -101,7 +101,7 @@ private:
                                 {"names", made.names},
                                 {"fingerprint", made.fingerprint}}
                         << '\n';
-        else tell_certificate(made, streams.out);
+        else print_certificate(made, streams.out);
         return fine;
     }
 
@@ -114,13 +114,13 @@ private:
         if (is_up && qr) return show_qr(http, door, streams);
         if (is_up && pair) return show_digits(http, door, streams);
         if (json) {
-            Json told{{"urls", Json::array()}};
-            if (is_up) told["urls"] = urls_of(door, computer);
-            if (http.is_object()) told.update(http);
-            streams.out << ano::json_text(told) << '\n';
+            Json result{{"urls", Json::array()}};
+            if (is_up) result["urls"] = urls_of(door, computer);
+            if (http.is_object()) result.update(http);
+            streams.out << ano::json_text(result) << '\n';
         }
         if (!is_up) throw Failure{why_not(http, text_at(at(at(status, "gateway"), "config"), "file"))};
-        if (!json) tell_door(http, door, computer, streams.out);
+        if (!json) print_door(http, door, computer, streams.out);
         if (!open) return fine;
         streams.out.flush();
         open_page(http, url_here(door));

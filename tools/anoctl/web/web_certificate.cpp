@@ -47,7 +47,7 @@ CertificateNames names_for(const Computer& computer) {
 
 // The service does not run as root and can't read a key that only root may read. The owner of the folder may have replaced the
 // file by a hard link to another file of root: the owner of such a file is not changed.
-bool give_to_service(const std::string& key) {
+bool set_service_owner(const std::string& key) {
     const passwd* user = ::geteuid() == 0 ? ::getpwnam(user_of_the_service) : nullptr;
     if (!user) return false;
     const anogate::UniqueFd fd{::open(key.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK)};
@@ -82,7 +82,7 @@ MadeCertificate make_certificate_in(const std::string& folder, const Computer& c
     made.fingerprint = *known_by;
     made.names = names.hosts;
     made.names.insert(made.names.end(), names.addresses.begin(), names.addresses.end());
-    made.is_for_service = give_to_service(made.key);
+    made.is_for_service = set_service_owner(made.key);
     return made;
 }
 

@@ -27,7 +27,7 @@ anogate::http::CertificateNames names_for(const Computer& computer);
 
 /// Makes the user of the service the owner of a new key. False: there is no such user, this process is not root, or the file is
 /// not as expected.
-bool give_to_service(const std::string& key);
+bool set_service_owner(const std::string& key);
 
 /// Creates certificate.pem and key.pem in `folder`, for the names and addresses of `computer`, including localhost. Throws
 /// Failure with the problem and a solution. Existing files are not overwritten.

@@ -12,12 +12,12 @@
 namespace anogate {
 
 /// One piece of work at a time, each in its own thread. No mutex: the thread owns its data and returns it at the end.
-class Errand {
+class BackgroundTask {
 public:
-    explicit Errand(asio::io_context& io);
-    ~Errand() { stop(); }
-    Errand(const Errand&) = delete;
-    Errand& operator=(const Errand&) = delete;
+    explicit BackgroundTask(asio::io_context& io);
+    ~BackgroundTask() { stop(); }
+    BackgroundTask(const BackgroundTask&) = delete;
+    BackgroundTask& operator=(const BackgroundTask&) = delete;
 
     /// Calls `work` in the thread, where it must not access other data, and then `done` in the loop; `fault` is the message of
     /// the exception that `work` threw, or empty. False: neither is called; why_not() returns the reason.
@@ -36,7 +36,7 @@ private:
 
     asio::io_context& io_;
     std::string_view why_not_;
-    Descriptor said_;    // an eventfd: the thread has finished
+    Descriptor done_event_;    // an eventfd: the thread has finished
     std::shared_ptr<Shared> shared_;
 };
 

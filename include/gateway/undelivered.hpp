@@ -6,7 +6,7 @@
 
 namespace anogate {
 
-class Untaken {
+class Undelivered {
 public:
     /// Frames further apart than this belong to different series.
     static constexpr ano::Duration pause = std::chrono::seconds{3};
@@ -17,7 +17,7 @@ public:
         last_ = now;
     }
     /// A frame had a receiver.
-    void taken() noexcept { last_ = ano::TimePoint::min(); }
+    void delivered() noexcept { last_ = ano::TimePoint::min(); }
     /// The time from the first to the last frame without a receiver in the present series; std::nullopt: there was none lately,
     /// or a later frame had a receiver.
     std::optional<ano::Duration> duration(ano::TimePoint now) const noexcept {

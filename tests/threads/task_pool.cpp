@@ -1,5 +1,5 @@
 // Requests to a disk that may hang.
-#include <http/disk_works.hpp>
+#include <http/task_pool.hpp>
 #include <support/loop.hpp>
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@
 namespace disk_works_tests {
 namespace {
 
-using anogate::DiskWorks;
+using anogate::TaskPool;
 using support::Loop;
 
 /// Reads hang until they are released.
@@ -41,25 +41,25 @@ private:
     std::array<int, 2> pipe_{};
 };
 
-TEST(DiskWorks, are_all_done_even_if_there_are_more_than_threads) {
+TEST(TaskPool, are_all_done_even_if_there_are_more_than_threads) {
     Loop loop;
-    DiskWorks disk{loop.io};
+    TaskPool disk{loop.io};
     int done = 0;
-    std::vector<DiskWorks::Ticket> tickets;
+    std::vector<TaskPool::Ticket> tickets;
     for (int i = 0; i < 50; ++i)
         tickets.push_back(disk.run([] {}, [&](const std::string& fault) { done += fault.empty() ? 1 : 0; }));
     EXPECT_EQ(done, 0) << "never at once";
     EXPECT_TRUE(loop.until([&] { return done == 50; }));
-    disk.run_for_nobody([] {}, [&](const std::string&) { ++done; });
+    disk.run_detached([] {}, [&](const std::string&) { ++done; });
     EXPECT_TRUE(loop.until([&] { return done == 51; }));
 }
 
-TEST(DiskWorks, that_hang_delay_others_only_if_no_thread_is_free) {
+TEST(TaskPool, that_hang_delay_others_only_if_no_thread_is_free) {
     Loop loop;
     HangingDisk hanging;
-    DiskWorks disk{loop.io};
+    TaskPool disk{loop.io};
     int hung = 0, done = 0;
-    std::vector<DiskWorks::Ticket> tickets;
+    std::vector<TaskPool::Ticket> tickets;
     for (int i = 0; i < 3; ++i) tickets.push_back(disk.run(hanging.read(), [&](const std::string&) { ++hung; }));
     const auto fourth = disk.run([] {}, [&](const std::string&) { ++done; });
     EXPECT_TRUE(loop.until([&] { return done == 1; }));
@@ -68,13 +68,13 @@ TEST(DiskWorks, that_hang_delay_others_only_if_no_thread_is_free) {
     EXPECT_TRUE(loop.until([&] { return hung == 3; }));
 }
 
-TEST(DiskWorks, that_were_cancelled_are_not_reported_and_not_started) {
+TEST(TaskPool, that_were_cancelled_are_not_reported_and_not_started) {
     Loop loop;
     HangingDisk hanging;
-    DiskWorks disk{loop.io};
+    TaskPool disk{loop.io};
     const auto begun = std::make_shared<std::atomic<bool>>(false);
     bool told = false;
-    std::vector<DiskWorks::Ticket> tickets;
+    std::vector<TaskPool::Ticket> tickets;
     for (int i = 0; i < 4; ++i) tickets.push_back(disk.run(hanging.read(), [&](const std::string&) { told = true; }));
     auto waiting = disk.run([begun] { *begun = true; }, [&](const std::string&) { told = true; });
     waiting.reset();
@@ -87,15 +87,15 @@ TEST(DiskWorks, that_were_cancelled_are_not_reported_and_not_started) {
     EXPECT_FALSE(told);
 }
 
-TEST(DiskWorks, are_abandoned_at_the_end) {
+TEST(TaskPool, are_abandoned_at_the_end) {
     Loop loop;
     auto hanging = std::make_unique<HangingDisk>();
     bool told = false;
     {
-        DiskWorks disk{loop.io};
-        disk.run_for_nobody(hanging->read(), [&](const std::string&) { told = true; });
+        TaskPool disk{loop.io};
+        disk.run_detached(hanging->read(), [&](const std::string&) { told = true; });
         disk.stop();
-        disk.run_for_nobody([] {}, [&](const std::string&) { told = true; });
+        disk.run_detached([] {}, [&](const std::string&) { told = true; });
     }
     hanging->let_go(1);
     EXPECT_FALSE(loop.until([&] { return told; }, std::chrono::milliseconds{50}));

@@ -1,4 +1,4 @@
-#include <http/doors/farewell.hpp>
+#include <http/doors/final_response.hpp>
 
 #include <array>
 #include <new>
@@ -10,7 +10,7 @@ constexpr std::size_t max_heard = 1024 * 1024;
 
 }    // namespace
 
-void Farewell::say(ano::Duration moment) {
+void FinalResponse::send(ano::Duration moment) {
     timer_.expires_after(moment);
     timer_.async_wait([weak = weak_from_this()](error_code ec) {
         if (const auto self = weak.lock(); self && !ec) self->close();
@@ -18,30 +18,30 @@ void Farewell::say(ano::Duration moment) {
     write();
 }
 
-void Farewell::close() {
+void FinalResponse::close() {
     timer_.cancel();
     if (stream_) stream_->close();
     stream_.reset();
 }
 
 // Starting a write may throw for lack of memory.
-void Farewell::write() try {
-    const asio::const_buffer left = asio::buffer(words_) + said_;
+void FinalResponse::write() try {
+    const asio::const_buffer left = asio::buffer(words_) + sent_;
     stream_->write_some({left}, [self = shared_from_this()](error_code ec, std::size_t size) { self->written(ec, size); });
 } catch (const std::bad_alloc&) {
     close();
 }
 
-void Farewell::written(error_code ec, std::size_t size) {
+void FinalResponse::written(error_code ec, std::size_t size) {
     if (!stream_) return;
     if (ec) return close();
-    said_ += size;
-    if (said_ < words_.size()) return write();
+    sent_ += size;
+    if (sent_ < words_.size()) return write();
     stream_->end_output();
     read();
 }
 
-void Farewell::read() try {
+void FinalResponse::read() try {
     static thread_local std::array<char, 4096> forgotten;
     stream_->read_some(asio::buffer(forgotten),
                        [self = shared_from_this()](error_code ec, std::size_t size) { self->heard(ec, size); });
@@ -49,7 +49,7 @@ void Farewell::read() try {
     close();
 }
 
-void Farewell::heard(error_code ec, std::size_t size) {
+void FinalResponse::heard(error_code ec, std::size_t size) {
     if (!stream_) return;
     heard_ += size;
     if (ec || heard_ >= max_heard) return close();

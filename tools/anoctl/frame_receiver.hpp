@@ -24,10 +24,10 @@ struct Passage {
     std::optional<std::uint8_t> channel{};    // the channel of `peer`
 };
 
-class FrameTaker {
+class FrameReceiver {
 public:
     /// Processes the next frame. False: no more frames are needed.
-    virtual bool take(ano::FrameView frame, const Passage& passage) = 0;
+    virtual bool accept(ano::FrameView frame, const Passage& passage) = 0;
     /// The following frames are decoded with these layouts. Called before the first frame, and whenever the gateway's layouts
     /// change.
     virtual void use(const anogate::DecodingPtr& /*decoding*/) {}
@@ -38,7 +38,7 @@ public:
     virtual void miss(std::uint64_t count, const std::string& names, std::string_view json) = 0;
 
 protected:
-    ~FrameTaker() = default;
+    ~FrameReceiver() = default;
 };
 
 }    // namespace anoctl

@@ -1,7 +1,7 @@
 // Runs disk operations in a few threads, so that the loop never waits for a disk that hangs.
 #pragma once
 #include <http/response.hpp>
-#include <sys/errand.hpp>
+#include <sys/background_task.hpp>
 
 #include <array>
 #include <deque>
@@ -13,11 +13,11 @@
 namespace anogate {
 
 /// Each operation has a thread of its own, which ends with it. At most four run at once; further ones wait.
-class DiskWorks {
+class TaskPool {
 public:
-    explicit DiskWorks(asio::io_context& io);
-    DiskWorks(const DiskWorks&) = delete;
-    DiskWorks& operator=(const DiskWorks&) = delete;
+    explicit TaskPool(asio::io_context& io);
+    TaskPool(const TaskPool&) = delete;
+    TaskPool& operator=(const TaskPool&) = delete;
 
     /// Must be held until `done` is called. If it is released earlier, `done` is not called, and work that has not begun is
     /// dropped.
@@ -25,27 +25,27 @@ public:
     /// As Errand::run(). `done` is never called from within this call.
     Ticket run(std::function<void()> work, std::function<void(std::string fault)> done);
     /// The same without a ticket: the work is always done, unless stop() is called first.
-    void run_for_nobody(std::function<void()> work, std::function<void(std::string fault)> done);
+    void run_detached(std::function<void()> work, std::function<void(std::string fault)> done);
     /// Starts no further work and makes no further calls of `done`.
     void stop();
 
 private:
-    struct Piece {
+    struct Task {
         std::function<void()> work;
         std::function<void(std::string)> done;
     };
     void begin();
-    void begin(Errand& errand, const std::shared_ptr<Piece>& piece);
-    void tell(const std::shared_ptr<Piece>& piece, std::string fault);
+    void begin(BackgroundTask& worker, const std::shared_ptr<Task>& task);
+    void complete(const std::shared_ptr<Task>& task, std::string fault);
 
     asio::io_context& io_;
-    std::array<Errand, 4> errands_;
-    std::deque<std::weak_ptr<Piece>> waiting_;
+    std::array<BackgroundTask, 4> workers_;
+    std::deque<std::weak_ptr<Task>> waiting_;
     std::set<Ticket> unheld_;
     bool stopped_ = false;
 };
 
 /// The response that `work` makes in a thread. `work` must not touch data that other threads use.
-http::Response answer_from(DiskWorks& disk, std::function<http::Response()> work);
+http::Response answer_from(TaskPool& disk, std::function<http::Response()> work);
 
 }    // namespace anogate

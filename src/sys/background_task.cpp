@@ -1,5 +1,5 @@
 #include <sys/asio.hpp>
-#include <sys/errand.hpp>
+#include <sys/background_task.hpp>
 #include <sys/thread_signals.hpp>
 
 #include <fcntl.h>
@@ -17,7 +17,7 @@
 namespace anogate {
 
 /// Shared with the thread, which may outlive the Errand.
-struct Errand::Shared {
+struct BackgroundTask::Shared {
     std::function<void()> work;
     std::function<void(std::string)> done;    // used by the loop only
     std::string fault;
@@ -26,9 +26,9 @@ struct Errand::Shared {
     bool is_stopped = false;    // used by the loop only
 };
 
-Errand::Errand(asio::io_context& io) : io_{io}, said_{io} {}
+BackgroundTask::BackgroundTask(asio::io_context& io) : io_{io}, done_event_{io} {}
 
-bool Errand::run(std::function<void()> work, std::function<void(std::string)> done) {
+bool BackgroundTask::run(std::function<void()> work, std::function<void(std::string)> done) {
     auto shared = std::make_shared<Shared>();
     shared->event = UniqueFd{::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)};
     UniqueFd event{shared->event ? ::fcntl(shared->event.get(), F_DUPFD_CLOEXEC, 0) : -1};
@@ -51,15 +51,15 @@ bool Errand::run(std::function<void()> work, std::function<void(std::string)> do
         return false;
     }
     shared_ = std::move(shared);
-    said_.open(std::move(event));
-    said_.read_with([this] { look(); });
+    done_event_.open(std::move(event));
+    done_event_.read_with([this] { look(); });
     return true;
 }
 
 // Moves `done` before the call, because `done` may call run() again.
-void Errand::look() {
+void BackgroundTask::look() {
     if (!shared_->is_done.load(std::memory_order_acquire)) return;
-    said_.close();
+    done_event_.close();
     asio::post(io_, [this, shared = shared_] {
         if (shared->is_stopped) return;
         shared_.reset();
@@ -68,8 +68,8 @@ void Errand::look() {
     });
 }
 
-void Errand::stop(ano::TimePoint by) noexcept {
-    said_.close();
+void BackgroundTask::stop(ano::TimePoint by) noexcept {
+    done_event_.close();
     const auto shared = std::exchange(shared_, nullptr);
     if (!shared) return;
     shared->is_stopped = true;

@@ -11,12 +11,12 @@ namespace anogate::http {
 /// Sends the last response, then reads and discards data of the client: if the connection were closed with unread data, the
 /// client would get a reset instead of the response. Closes after the `moment` of say(), after 1 MiB, or when the client closes.
 /// Lives until then.
-class Farewell : public std::enable_shared_from_this<Farewell> {
+class FinalResponse : public std::enable_shared_from_this<FinalResponse> {
 public:
-    Farewell(asio::io_context& io, std::unique_ptr<Stream> stream, std::string words)
+    FinalResponse(asio::io_context& io, std::unique_ptr<Stream> stream, std::string words)
         : stream_{std::move(stream)}, words_{std::move(words)}, timer_{io} {}
 
-    void say(ano::Duration moment);
+    void send(ano::Duration moment);
     void close();
 
 private:
@@ -28,7 +28,7 @@ private:
     std::unique_ptr<Stream> stream_;    // nullptr: closed
     std::string words_;
     asio::steady_timer timer_;
-    std::size_t said_ = 0;
+    std::size_t sent_ = 0;
     std::size_t heard_ = 0;
 };
 

@@ -1,6 +1,6 @@
 // Work that may block, in its own thread.
 #include <support/loop.hpp>
-#include <sys/errand.hpp>
+#include <sys/background_task.hpp>
 
 #include <gtest/gtest.h>
 
@@ -16,53 +16,53 @@
 namespace errand_tests {
 namespace {
 
-using anogate::Errand;
+using anogate::BackgroundTask;
 using support::Loop;
 
-TEST(Errand, runs_in_another_thread_and_reports_its_end_in_the_calling_one) {
+TEST(BackgroundTask, runs_in_another_thread_and_reports_its_end_in_the_calling_one) {
     Loop loop;
-    Errand errand{loop.io};
+    BackgroundTask worker{loop.io};
     const auto made = std::make_shared<std::thread::id>();
     int done = 0;
     for (int i = 1; i <= 3; ++i) {
-        ASSERT_TRUE(errand.run([made] { *made = std::this_thread::get_id(); },
+        ASSERT_TRUE(worker.run([made] { *made = std::this_thread::get_id(); },
                                [&](const std::string& fault) {
                                    EXPECT_EQ(fault, "");
-                                   EXPECT_FALSE(errand.is_running());
+                                   EXPECT_FALSE(worker.is_running());
                                    ++done;
                                }));
-        EXPECT_TRUE(errand.is_running());
+        EXPECT_TRUE(worker.is_running());
         ASSERT_TRUE(loop.until([&] { return done == i; }));
         EXPECT_NE(*made, std::thread::id{});
         EXPECT_NE(*made, std::this_thread::get_id());
     }
 }
 
-TEST(Errand, does_not_receive_signals_of_the_program) {
+TEST(BackgroundTask, does_not_receive_signals_of_the_program) {
     Loop loop;
-    Errand errand{loop.io};
+    BackgroundTask worker{loop.io};
     const auto its_mask = std::make_shared<sigset_t>();
     bool done = false;
-    ASSERT_TRUE(errand.run([its_mask] { ::pthread_sigmask(SIG_SETMASK, nullptr, its_mask.get()); },
+    ASSERT_TRUE(worker.run([its_mask] { ::pthread_sigmask(SIG_SETMASK, nullptr, its_mask.get()); },
                            [&](const std::string&) { done = true; }));
     ASSERT_TRUE(loop.until([&] { return done; }));
     for (const int signal : {SIGTERM, SIGINT, SIGHUP, SIGUSR1, SIGTTOU})
         EXPECT_EQ(::sigismember(its_mask.get(), signal), 1) << signal;
 }
 
-TEST(Errand, can_start_the_next_one_and_reports_exceptions) {
+TEST(BackgroundTask, can_start_the_next_one_and_reports_exceptions) {
     Loop loop;
-    Errand errand{loop.io};
+    BackgroundTask worker{loop.io};
     std::string said;
-    ASSERT_TRUE(errand.run([] { throw std::runtime_error{"no disk"}; },
+    ASSERT_TRUE(worker.run([] { throw std::runtime_error{"no disk"}; },
                            [&](const std::string& fault) {
                                said = fault;
-                               errand.run([] {}, [&](const std::string& none) { said += "," + none + "done"; });
+                               worker.run([] {}, [&](const std::string& none) { said += "," + none + "done"; });
                            }));
     EXPECT_TRUE(loop.until([&] { return said == "no disk,done"; })) << said;
 }
 
-TEST(Errand, that_is_stopped_reports_nothing_and_one_that_hangs_is_abandoned) {
+TEST(BackgroundTask, that_is_stopped_reports_nothing_and_one_that_hangs_is_abandoned) {
     Loop loop;
     bool called = false;
     std::array<int, 2> pipe{};
@@ -72,11 +72,11 @@ TEST(Errand, that_is_stopped_reports_nothing_and_one_that_hangs_is_abandoned) {
         (void)!::read(fd, &byte, 1);
     };
     {
-        Errand errand{loop.io};
-        ASSERT_TRUE(errand.run([] {}, [&](const std::string&) { called = true; }));
-        errand.stop();
+        BackgroundTask worker{loop.io};
+        ASSERT_TRUE(worker.run([] {}, [&](const std::string&) { called = true; }));
+        worker.stop();
         loop.turn();
-        ASSERT_TRUE(errand.run(read, [&](const std::string&) { called = true; }));
+        ASSERT_TRUE(worker.run(read, [&](const std::string&) { called = true; }));
     }
     loop.turn();
     EXPECT_FALSE(called);
