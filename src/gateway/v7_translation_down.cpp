@@ -141,12 +141,12 @@ void V7Translation::ranging_down(std::uint8_t asked, Data data, V7Output& output
     if (data.size() < 5) return drop(&V7Counters::down_malformed);
     const auto mm = ano::load<std::int32_t>(data.data() + 1);
     if (data[0] > 6 || mm < 0 || (is_lx && data[0] == 3)) return drop(&V7Counters::down_unrepresentable);
-    struct Direction {
+    struct RangeDirection {
         std::uint8_t direction;
         std::uint16_t angle;
     };
-    constexpr Direction directions[]{{1, 270}, {0, 0}, {0, 180}, {0, 270}, {0, 90}, {1, 90}, {1, 270}};
-    const Direction there = is_lx && (data[0] == 0 || data[0] == 6) ? Direction{0, 270} : directions[data[0]];
+    constexpr RangeDirection directions[]{{1, 270}, {0, 0}, {0, 180}, {0, 270}, {0, 90}, {1, 90}, {1, 270}};
+    const RangeDirection there = is_lx && (data[0] == 0 || data[0] == 6) ? RangeDirection{0, 270} : directions[data[0]];
     send_range(asked, there.direction, there.angle, static_cast<std::uint32_t>(mm / 10), output);
 }
 
