@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <functional>
+#include <utility>
+#include <vector>
 
 namespace anogate::http {
 namespace {
@@ -33,12 +35,17 @@ std::optional<std::size_t> longest(ClientConnections connections, Among among) {
 /// The party with most visitors of `among`, if they are more than `more_than`.
 template <class Among>
 std::optional<ClientId> crowd(ClientConnections connections, std::size_t more_than, Among among) {
-    std::optional<ClientId> found;
+    std::vector<std::pair<ClientId, std::size_t>> parties;    // in a flood from one address, one: counted in linear time
     for (const ClientConnection& connection : connections) {
         if (!among(connection)) continue;
-        const std::size_t has = number_of(connections, connection.client_id, among);
-        if (has > more_than) found = connection.client_id, more_than = has;
+        const auto is_same = [&](const auto& one) { return one.first == connection.client_id; };
+        const auto at = std::find_if(parties.begin(), parties.end(), is_same);
+        if (at == parties.end()) parties.emplace_back(connection.client_id, 1);
+        else ++at->second;
     }
+    std::optional<ClientId> found;
+    for (const auto& [client_id, has] : parties)
+        if (has > more_than) found = client_id, more_than = has;
     return found;
 }
 

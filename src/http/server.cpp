@@ -16,7 +16,7 @@ constexpr long max_large_bodies = 2;
 // Handshakes that wait for their turn. Each takes a millisecond of the loop. The limit per client prevents one client from
 // filling the queue while others wait in the kernel.
 constexpr std::ptrdiff_t max_handshakes = 8, max_handshakes_per_client = 6;    // a browser opens six
-constexpr int accepts_per_turn = 16;    // of the network: many connections at once must not fill the kernel's queue
+constexpr int accepts_per_turn = 256;    // of the network: many connections at once must not fill the kernel's queue
 constexpr ano::Duration memory_stays = std::chrono::milliseconds{1};
 constexpr ano::Duration long_turn = std::chrono::milliseconds{1};
 constexpr ano::Duration max_rest = std::chrono::milliseconds{50};
@@ -55,27 +55,28 @@ Expected<std::uint16_t> Server::start(const Network& network) {
                                     : stream_of(std::move(socket), std::move(door)));
     };
     const auto may_admit = [this] { return handshakes(nullptr) < max_handshakes && has_place(network_); };
-    lobby_ = std::make_unique<Lobby>(io_, network.tls != nullptr, limits_.session.patience, evicted_, may_admit, admit_one);
+    new_connections_ = std::make_unique<NewConnections>(io_, network.tls != nullptr, limits_.session.patience, evicted_,
+                                                        may_admit, admit_one);
     network_listener_ = std::make_unique<Listener>(
         io_, std::move(made->fd), made->family, accepts_per_turn, [this] { return may_accept(); },
-        [this](Socket socket) { start_session(std::move(socket)); });
+        [this](Socket socket) { add_new(std::move(socket)); });
     return made->port;
 }
 
 // Accepting needs a descriptor.
-bool Server::may_accept() { return descriptors_left() > 0 || lobby_->evict_one() || has_place(network_); }
+bool Server::may_accept() { return descriptors_left() > 0 || new_connections_->evict_one() || has_place(network_); }
 
-void Server::start_session(Socket socket) {
+void Server::add_new(Socket socket) {
     Door door{};
     door.is_network = true;
     door.peer = peer_of(socket.native_handle());
     const ClientId client_id = client_id_of(unknown_user, door);
-    lobby_->add(std::move(socket), client_id.client, may_control(client_id, nullptr));
+    new_connections_->add(std::move(socket), client_id.client, may_control(client_id, nullptr));
 }
 
 void Server::shut_network() {
     network_listener_.reset();
-    lobby_.reset();
+    new_connections_.reset();
 }
 
 void Server::stop_network() {
@@ -201,8 +202,10 @@ tl::expected<std::shared_ptr<void>, Response> Server::place_for_body() {
 
 std::vector<ClientConnection> Server::Room::connections() {
     std::erase_if(sessions, [](const auto& session) { return session.expired(); });
+    const ano::TimePoint now = ano::Clock::now();
     std::vector<ClientConnection> connections;
-    for (const auto& session : sessions) connections.push_back(session.lock()->connection(ano::Clock::now()));
+    connections.reserve(sessions.size());
+    for (const auto& session : sessions) connections.push_back(session.lock()->connection(now));
     return connections;
 }
 
@@ -218,8 +221,15 @@ bool Server::is_full(const Room& room, std::size_t connections) const {
     return connections >= room.places.connections || (connections >= room.places.in_need && !has_descriptors());
 }
 
-std::optional<std::size_t> Server::connection_to_close(const Room& room, const std::vector<ClientConnection>& connections) const {
-    const auto place = next_evicted(connections, ano::Clock::now() - room.places.hearing);
+// The loop may not have read a request that was received.
+std::optional<std::size_t> Server::connection_to_close(const Room& room, std::vector<ClientConnection> connections) const {
+    const ano::TimePoint now = ano::Clock::now();
+    auto place = next_evicted(connections, now - room.places.hearing);
+    const auto is_idle = [&](const ClientConnection& v) { return v.asking == Asking::nothing || v.asking == Asking::unheard; };
+    while (place && is_idle(connections[*place]) && room.sessions[*place].lock()->has_more()) {
+        connections[*place].asking = Asking::whole;    // perhaps: it is read in the next turn of the loop
+        place = next_evicted(connections, now - room.places.hearing);
+    }
     return place || has_descriptors() ? place : oldest_stream(connections);
 }
 

@@ -4,8 +4,8 @@
 #include <http/doors/admission.hpp>
 #include <http/doors/final_response.hpp>
 #include <http/doors/listener.hpp>
-#include <http/doors/lobby.hpp>
 #include <http/doors/local_socket.hpp>
+#include <http/doors/new_connections.hpp>
 #include <http/routes.hpp>
 #include <http/session.hpp>
 #include <http/tls.hpp>
@@ -105,7 +105,7 @@ private:
     };
     Room& room_of(const ClientId& client_id) noexcept { return client_id.user == unknown_user ? network_ : local_; }
     bool is_full(const Room& room, std::size_t connections) const;
-    std::optional<std::size_t> connection_to_close(const Room& room, const std::vector<ClientConnection>& connections) const;
+    std::optional<std::size_t> connection_to_close(const Room& room, std::vector<ClientConnection> connections) const;
     bool has_place(Room& room);
     std::ptrdiff_t handshakes(const ClientId* of);
     bool make_place(Room& room);
@@ -116,7 +116,7 @@ private:
     void for_each_session(Call call);
     void dismiss_those(const std::function<bool(const Session& session)>& wanted);
     bool may_accept();
-    void start_session(Socket socket);
+    void add_new(Socket socket);
     void shut_network();
     void shut();
     void look_whether_finished(ano::TimePoint until);
@@ -151,7 +151,7 @@ private:
     LocalSocket local_socket_;
     Network network_settings_;
     EvictionCounter evicted_;
-    std::unique_ptr<Lobby> lobby_;    // of the network
+    std::unique_ptr<NewConnections> new_connections_;    // of the network
     std::unique_ptr<Listener> local_listener_, network_listener_;
     Room local_{limits_.local}, network_{limits_.network};
     std::deque<ClientId> controllers_;                   // clients of the network that have controlled, the most recent last

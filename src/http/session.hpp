@@ -103,6 +103,8 @@ public:
     /// Ends the session because another client gets its place. Sends `words` unless it is idle or in the middle of a response.
     void leave(const Response& words);
     ClientConnection connection(ano::TimePoint now) const;
+    /// True if its client has sent a request, or a part of it, that was not read yet.
+    bool has_more() const { return stream_ && asking_ != Asking::whole && stream_->has_more(); }
     /// The time since which the client has sent too little of a large body; std::nullopt: it sends fast enough, or no large body.
     std::optional<ano::TimePoint> body_waits_since() const;
     /// Refuses its large body, so that another client can use the place.

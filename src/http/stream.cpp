@@ -1,6 +1,8 @@
 #include <http/request.hpp>
 #include <http/stream.hpp>
+#include <sys/unread.hpp>
 
+#include <poll.h>
 #include <sys/socket.h>
 
 #include <utility>
@@ -12,6 +14,7 @@ class SocketStream final : public Stream {
 public:
     SocketStream(Socket socket, Door door) : socket_{std::move(socket)}, door_{std::move(door)} {}
 
+    bool has_more() const override { return has_unread(const_cast<Socket&>(socket_).native_handle()); }
     void read_some(asio::mutable_buffer into, Done done) override { socket_.async_read_some(into, std::move(done)); }
     void write_some(const Parts& from, Done done) override { socket_.async_write_some(from, std::move(done)); }
     void cancel() override {
@@ -45,6 +48,12 @@ private:
 
 std::unique_ptr<Stream> stream_of(Socket socket, Door door) {
     return std::make_unique<SocketStream>(std::move(socket), std::move(door));
+}
+
+bool is_gone(Socket& socket, bool is_encrypted) noexcept {
+    pollfd look{socket.native_handle(), POLLRDHUP, 0};
+    if (::poll(&look, 1, 0) != 1) return false;
+    return is_encrypted || (look.revents & (POLLHUP | POLLERR)) != 0 || !has_unread(look.fd);
 }
 
 }    // namespace anogate::http

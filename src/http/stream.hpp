@@ -18,6 +18,8 @@ public:
     virtual ~Stream() = default;
     /// True if the client has ended its output; some of it may be unread.
     virtual bool has_left() const { return false; }
+    /// True if the client has sent something that was not read yet, as far as that is known.
+    virtual bool has_more() const { return false; }
     /// One read and one write at a time. `done` is called from the loop, never from within the call, even if the stream is destroyed
     /// meanwhile.
     virtual void read_some(asio::mutable_buffer into, Done done) = 0;
@@ -35,5 +37,9 @@ public:
 /// A connected socket, Unix or TCP.
 using Socket = asio::generic::stream_protocol::socket;
 std::unique_ptr<Stream> stream_of(Socket socket, Door door = {});
+
+/// True if the client has closed the connection and left no request. A TLS client that has closed its half counts as gone in any
+/// case.
+bool is_gone(Socket& socket, bool is_encrypted = false) noexcept;
 
 }    // namespace anogate::http

@@ -332,6 +332,21 @@ TEST_F(HttpServer, stop_closes_all_connections_at_once) {
     EXPECT_TRUE(streamed.is_closed() && idle.is_closed() && half.is_closed());
 }
 
+// The loop learns of the request only after it has accepted the next client.
+TEST_F(HttpServer, a_client_that_has_sent_a_request_keeps_its_connection) {
+    ServerLimits limits;
+    limits.local.connections = 2;
+    limits.local.hearing = {};
+    begin(limits);
+    Client first = connect(), idle = connect();
+    settle();
+    Client next = connect();
+    first.send(get("/short?n=here"));
+    EXPECT_TRUE(until([&] { return idle.is_closed() || first.is_closed(); }));
+    EXPECT_TRUE(until([&] { return first.is_closed() || first.has_heard("here"); }));
+    EXPECT_TRUE(first.has_heard("here"));
+}
+
 // One that asks waits for a place; one that has sent nothing has none.
 TEST_F(JudgingHttpServer, network_clients_that_send_nothing_use_no_quota) {
     ServerLimits limits;
@@ -355,12 +370,35 @@ TEST_F(JudgingHttpServer, of_too_many_silent_clients_those_of_the_address_with_m
     std::vector<Client> crowd;
     for (int i = 0; i < 400; ++i) crowd.emplace_back(UniqueFd{support::connect_tcp(port, "127.9.0.1")});
     const auto closed = [&] { return std::count_if(crowd.begin(), crowd.end(), [](Client& one) { return one.is_closed(); }); };
-    EXPECT_TRUE(until([&] { return static_cast<std::size_t>(closed()) >= 401 - Lobby::places; }));
-    EXPECT_EQ(server->evicted().count, 401 - Lobby::places);
+    EXPECT_TRUE(until([&] { return static_cast<std::size_t>(closed()) >= 401 - NewConnections::places; }));
+    EXPECT_EQ(server->evicted().count, 401 - NewConnections::places);
     EXPECT_FALSE(first.is_closed());
     EXPECT_FALSE(crowd.back().is_closed());
     first.send("GET /short?n=here HTTP/1.1\r\nHost: 127.0.0.1\r\n" + bearer("may-act") + "\r\n");
     EXPECT_TRUE(until([&] { return first.has_heard("here"); }));
+}
+
+// The loop learns of its request only after it has accepted the others.
+TEST_F(JudgingHttpServer, a_client_that_has_sent_a_request_is_not_closed_as_silent) {
+    const std::string from = "127.9.0.1";
+    Client first{UniqueFd{support::connect_tcp(port, from)}};
+    std::vector<Client> crowd;
+    while (crowd.size() < NewConnections::places - 1) crowd.emplace_back(UniqueFd{support::connect_tcp(port, from)});
+    settle();
+    for (int i = 0; i < 10; ++i) crowd.emplace_back(UniqueFd{support::connect_tcp(port, from)});
+    first.send("GET /short?n=here HTTP/1.1\r\nHost: 127.0.0.1\r\n" + bearer("may-act") + "\r\n");
+    EXPECT_TRUE(until([&] { return first.is_closed() || first.has_heard("here"); }));
+    EXPECT_TRUE(first.has_heard("here"));
+    EXPECT_EQ(server->evicted().count, 10u);
+}
+
+TEST_F(JudgingHttpServer, a_connection_that_is_closed_for_another_is_reset_and_leaves_nothing_in_the_kernel) {
+    std::vector<UniqueFd> crowd;
+    while (crowd.size() < NewConnections::places + 1) crowd.emplace_back(support::connect_tcp(port, "127.9.0.1"));
+    EXPECT_TRUE(until([&] { return server->evicted().count == 1; }));
+    char byte;
+    EXPECT_EQ(::recv(crowd.front().get(), &byte, 1, MSG_DONTWAIT), -1);
+    EXPECT_EQ(errno, ECONNRESET);
 }
 
 TEST_F(JudgingHttpServer, waiting_clients_use_at_most_half_of_the_descriptors) {

@@ -1,6 +1,5 @@
 #include <ano/time.hpp>
 #include <http/doors/listener.hpp>
-#include <http/doors/lobby.hpp>
 
 #include <new>
 #include <utility>
@@ -8,7 +7,8 @@
 namespace anogate::http {
 namespace {
 
-constexpr int accepted_per_turn = 64;
+// Then the loop does its other work: links, and requests of the Unix socket.
+constexpr auto longest_accepting = std::chrono::microseconds{500};
 constexpr auto between_looks = std::chrono::milliseconds{2};          // pause before the next check for a free place
 constexpr auto without_descriptor = std::chrono::milliseconds{50};    // pause after an error, such as no free descriptor
 
@@ -29,8 +29,9 @@ struct Listener::State : std::enable_shared_from_this<State> {
     void look() try {
         if (!has_place()) return look_again_in(between_looks);
         error_code ec;
+        const ano::TimePoint until = ano::Clock::now() + longest_accepting;
         int admitted = 0;
-        for (int i = 0; i < accepted_per_turn && admitted < admitted_per_turn && acceptor.is_open(); ++i) {
+        do {
             Socket socket{acceptor.get_executor()};
             acceptor.accept(socket, ec);
             if (ec) break;
@@ -40,7 +41,7 @@ struct Listener::State : std::enable_shared_from_this<State> {
                 admit(std::move(socket));
             } catch (const std::bad_alloc&) {    // the connection is closed
             }
-        }
+        } while (admitted < admitted_per_turn && acceptor.is_open() && ano::Clock::now() < until);
         if (ec && ec != asio::error::would_block && ec != asio::error::connection_aborted)
             return look_again_in(without_descriptor);
         if (acceptor.is_open()) await();

@@ -9,7 +9,7 @@
 
 namespace anogate::http {
 
-/// Accepts connections until it is destroyed. Clients that are gone already are not admitted.
+/// Accepts connections until it is destroyed, for at most 0.5 ms per turn of the loop. Clients that are gone already are not admitted.
 class Listener {
 public:
     using HasPlace = std::function<bool()>;

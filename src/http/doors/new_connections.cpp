@@ -1,8 +1,8 @@
-#include <http/doors/lobby.hpp>
+#include <http/doors/new_connections.hpp>
 #include <sys/descriptors_left.hpp>
+#include <sys/unread.hpp>
 #include <sys/waiting_places.hpp>
 
-#include <poll.h>
 #include <sys/socket.h>
 
 #include <algorithm>
@@ -14,23 +14,19 @@ namespace anogate::http {
 namespace {
 
 constexpr auto before_next_look = std::chrono::milliseconds{2};    // pause when all places are in use
-constexpr int let_in_per_turn = 4;                                 // admitting takes longer than accepting, and must not delay it
+// Then the loop does its other work. Admitting takes longer than accepting, and must not delay it.
+constexpr auto longest_admitting = std::chrono::microseconds{100};
 
-bool has_sent(Socket& socket) noexcept {
-    char byte;
-    return ::recv(socket.native_handle(), &byte, 1, MSG_PEEK | MSG_DONTWAIT) > 0;
+/// With a reset: the kernel keeps nothing of the connection. Otherwise it keeps each connection of a flood for a minute.
+void close_by_reset(Socket& socket) noexcept {
+    error_code ignored;
+    socket.set_option(asio::socket_base::linger{true, 0}, ignored);
+    socket.close(ignored);
 }
 
 }    // namespace
 
-bool is_gone(Socket& socket, bool is_encrypted) noexcept {
-    pollfd look{socket.native_handle(), POLLRDHUP, 0};
-    if (::poll(&look, 1, 0) != 1) return false;
-    char byte;
-    return is_encrypted || (look.revents & (POLLHUP | POLLERR)) != 0 || ::recv(look.fd, &byte, 1, MSG_PEEK | MSG_DONTWAIT) <= 0;
-}
-
-struct Lobby::State : std::enable_shared_from_this<State> {
+struct NewConnections::State : std::enable_shared_from_this<State> {
     struct One {
         Socket socket;
         WaitingConnection facts;
@@ -47,9 +43,11 @@ struct Lobby::State : std::enable_shared_from_this<State> {
           admit{std::move(of_owner)} {}
 
     void add(Socket socket, std::uint64_t client_id, bool has_priority) {
-        if (is_gone(socket, is_encrypted)) return;
         while (all.size() >= places_now())
-            if (!evict_one(has_priority)) return count_one();
+            if (!evict_one(has_priority)) {
+                close_by_reset(socket);
+                return count_one();
+            }
         const auto one = std::make_shared<One>(
             One{std::move(socket), {client_id, ano::Clock::now(), WaitingConnection::Stage::silent, has_priority, false}});
         all.push_back(one);
@@ -74,11 +72,13 @@ struct Lobby::State : std::enable_shared_from_this<State> {
 
     bool evict_one(bool for_priority) {
         auto leaves = anogate::next_evicted(facts(), for_priority);
-        while (leaves && is_silent(all[*leaves]) && has_sent(all[*leaves]->socket)) {    // the loop has not noticed yet
+        while (leaves && is_silent(all[*leaves]) &&
+               has_unread(all[*leaves]->socket.native_handle())) {    // the loop has not noticed yet
             all[*leaves]->facts.stage = WaitingConnection::Stage::its_turn;
             leaves = anogate::next_evicted(facts(), for_priority);
         }
         if (!leaves) return false;
+        close_by_reset(all[*leaves]->socket);
         all.erase(all.begin() + static_cast<std::ptrdiff_t>(*leaves));
         count_one();
         return true;
@@ -98,7 +98,9 @@ struct Lobby::State : std::enable_shared_from_this<State> {
             const auto self = weak.lock();
             if (!self || stopped) return;
             const ano::TimePoint since = ano::Clock::now() - self->patience;
-            std::erase_if(self->all, [since](const auto& one) { return is_silent(one) && one->facts.since <= since; });
+            std::erase_if(self->all, [since](const auto& one) {
+                return is_silent(one) && one->facts.since <= since && !has_unread(one->socket.native_handle());
+            });
             self->ends_silent = false;
             self->end_silent_later();
         });
@@ -113,7 +115,8 @@ struct Lobby::State : std::enable_shared_from_this<State> {
 
     void let_in() try {
         if (looks_again) return;
-        for (int i = 0; i < let_in_per_turn; ++i) {
+        const ano::TimePoint until = ano::Clock::now() + longest_admitting;
+        do {
             const auto next = next_turn(facts(), places);
             if (!next) return;
             if (!has_place()) return look_again_in(before_next_look);
@@ -125,12 +128,11 @@ struct Lobby::State : std::enable_shared_from_this<State> {
                 admit(std::move(socket));
             } catch (const std::bad_alloc&) {    // the connection is closed
             }
-        }
+        } while (ano::Clock::now() < until);
         look_again_in({});
     } catch (const std::bad_alloc&) {
         look_again_in(before_next_look);
     }
-
     void look_again_in(ano::Duration moment) {
         looks_again = true;
         pause.expires_after(moment);
@@ -157,15 +159,15 @@ struct Lobby::State : std::enable_shared_from_this<State> {
     bool looks_again = false, ends_silent = false, is_closed = false;
 };
 
-Lobby::Lobby(asio::io_context& io, bool is_encrypted, ano::Duration patience, EvictionCounter& evicted, HasPlace has_place,
-             Admit admit)
+NewConnections::NewConnections(asio::io_context& io, bool is_encrypted, ano::Duration patience, EvictionCounter& evicted,
+                               HasPlace has_place, Admit admit)
     : state_{std::make_shared<State>(io, is_encrypted, patience, evicted, std::move(has_place), std::move(admit))} {}
 
-Lobby::~Lobby() { state_->close(); }
+NewConnections::~NewConnections() { state_->close(); }
 
-void Lobby::add(Socket socket, std::uint64_t client_id, bool has_priority) {
+void NewConnections::add(Socket socket, std::uint64_t client_id, bool has_priority) {
     state_->add(std::move(socket), client_id, has_priority);
 }
-bool Lobby::evict_one() { return state_->evict_one(true); }
+bool NewConnections::evict_one() { return state_->evict_one(true); }
 
 }    // namespace anogate::http

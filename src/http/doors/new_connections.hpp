@@ -18,7 +18,7 @@ struct EvictionCounter {
     ano::TimePoint last{};
 };
 
-class Lobby {
+class NewConnections {
 public:
     static constexpr std::size_t places = 256;
     using HasPlace = std::function<bool()>;
@@ -26,11 +26,11 @@ public:
 
     /// Calls `admit` for a connection whose client has sent something, when `has_place` returns true. If `admit` throws
     /// std::bad_alloc, the connection is closed. A connection that is silent for `patience` is closed. Counts in `evicted`.
-    Lobby(asio::io_context& io, bool is_encrypted, ano::Duration patience, EvictionCounter& evicted, HasPlace has_place,
-          Admit admit);
-    ~Lobby();
-    Lobby(const Lobby&) = delete;
-    Lobby& operator=(const Lobby&) = delete;
+    NewConnections(asio::io_context& io, bool is_encrypted, ano::Duration patience, EvictionCounter& evicted, HasPlace has_place,
+                   Admit admit);
+    ~NewConnections();
+    NewConnections(const NewConnections&) = delete;
+    NewConnections& operator=(const NewConnections&) = delete;
 
     /// `client_id`: see WaitingConnection. If too many wait, or too few descriptors are left, one of the party with most of them is closed.
     void add(Socket socket, std::uint64_t client_id, bool has_priority);
@@ -41,9 +41,5 @@ private:
     struct State;
     std::shared_ptr<State> state_;
 };
-
-/// True if the client has closed the connection and left no request. A TLS client that has closed its half counts as gone in any
-/// case.
-bool is_gone(Socket& socket, bool is_encrypted = false) noexcept;
 
 }    // namespace anogate::http
