@@ -203,6 +203,22 @@ TEST_F(Tls, clients_that_send_nothing_are_closed_first_when_others_connect) {
     EXPECT_FALSE(begun.is_closed());
 }
 
+// The loop learns of its first bytes only after it has accepted the others.
+TEST_F(Tls, a_client_that_has_begun_its_handshake_is_not_closed_as_silent) {
+    listen(ca());
+    const auto evicted = [&] { return ground->link("l").at("handshakes_gave_way").get<std::size_t>(); };
+    TcpPeer first{ground->port("l")};
+    std::vector<TcpPeer> others;
+    while (others.size() < 255) others.emplace_back(ground->port("l"));
+    ground->io().restart();
+    ground->io().poll();
+    ASSERT_EQ(evicted(), 0u);
+    for (int i = 0; i < 10; ++i) others.emplace_back(ground->port("l"));
+    first.send(Bytes{22, 3, 1, 0, 100, 1});
+    EXPECT_TRUE(ground->until([&] { return evicted() >= 10; }));
+    EXPECT_FALSE(first.is_closed());
+}
+
 TEST_F(Tls, invalid_data_instead_of_a_handshake_closes_only_that_connection) {
     listen(ca());
     air.emplace(loop, std::vector<std::string>{to("localhost", pair("vehicle") + ca())});

@@ -3,6 +3,7 @@
 #include <sys/background_task.hpp>
 #include <sys/descriptor.hpp>
 #include <sys/descriptors_left.hpp>
+#include <sys/unread.hpp>
 
 #include <fcntl.h>
 #include <sys/socket.h>
@@ -81,13 +82,25 @@ bool Handshakes::add(UniqueFd fd, const Endpoint& peer, bool is_trusted) {
 
 bool Handshakes::make_place(bool is_trusted) {
     while (all_.size() >= places || descriptors_left() < descriptors_of_links() + descriptors_of_one) {
-        const auto leaves = next_evicted(facts(), is_trusted);
+        const auto leaves = connection_to_close(is_trusted);
         if (!leaves) return false;
         remove(*all_[*leaves]);
         evicted_.add(context_.host.now());
     }
     return true;
 }
+
+std::optional<std::size_t> Handshakes::connection_to_close(bool for_trusted) {
+    auto leaves = next_evicted(facts(), for_trusted);
+    while (leaves && all_[*leaves]->facts.stage == Stage::silent && !is_silent(*all_[*leaves])) {
+        all_[*leaves]->facts.stage = Stage::begun;
+        leaves = next_evicted(facts(), for_trusted);
+    }
+    return leaves;
+}
+
+// Even if bytes of the peer were received, the loop may not have read them yet.
+bool Handshakes::is_silent(const One& one) { return one.facts.stage == Stage::silent && !has_unread(one.socket.fd()); }
 
 std::vector<WaitingConnection> Handshakes::facts() const {
     std::vector<WaitingConnection> facts;
@@ -102,7 +115,7 @@ void Handshakes::end_those(Duration age, bool silent_alone, const std::string& w
     std::vector<One*> late;
     for (const auto& one : all_) {
         if (now - one->facts.since < age) break;
-        if (silent_alone ? one->facts.stage == Stage::silent : one->facts.stage != Stage::at_work) late.push_back(one.get());
+        if (silent_alone ? is_silent(*one) : one->facts.stage != Stage::at_work) late.push_back(one.get());
     }
     for (One* const one : late) fail(*one, why);
     if (!silent_alone && !all_.empty())

@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -48,6 +49,8 @@ private:
     using Stage = WaitingConnection::Stage;
 
     bool make_place(bool is_trusted);
+    std::optional<std::size_t> connection_to_close(bool for_trusted);
+    static bool is_silent(const One& one);
     void end_those(Duration age, bool silent_alone, const std::string& why);
     void heard(One& one);
     void await(One& one);

@@ -121,7 +121,7 @@ void TcpListenLink::accept() {
     for (int i = 0; i < accepts_per_turn; ++i) {
         Accepted next = accept_tcp(listener_.fd());
         if (next.fd) {
-            add_connection(std::move(next.fd), next.peer);
+            on_accepted(std::move(next.fd), next.peer);
             continue;
         }
         if (errno == ECONNABORTED || errno == EINTR) continue;
@@ -136,7 +136,7 @@ void TcpListenLink::accept_on() {
     if (listener_.is_open() && !is_ending_ && !accept_again_.is_set()) listener_.read_with([this] { accept(); });
 }
 
-void TcpListenLink::add_connection(UniqueFd fd, const Endpoint& peer) try {
+void TcpListenLink::on_accepted(UniqueFd fd, const Endpoint& peer) try {
     const TimePoint now = context_.host.now();
     if (!is_allowed(peer.address, now)) {
         ++outsiders_;

@@ -35,7 +35,7 @@ private:
     Opened<void> open();
     void accept();
     void accept_on();
-    void add_connection(UniqueFd fd, const Endpoint& peer);
+    void on_accepted(UniqueFd fd, const Endpoint& peer);
     /// Opens a channel for the connection, after its handshake if it is encrypted.
     void admit(UniqueFd fd, const Endpoint& peer, std::shared_ptr<TlsConnection> encrypted);
     bool is_trusted(const IpAddress& address) const;
