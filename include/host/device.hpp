@@ -315,6 +315,7 @@ private:
     static constexpr std::size_t max_info_questions = 64;
     std::vector<TimePoint> info_questions_;    // not answered yet, the oldest first
     Duration info_takes_{};                    // from the question to the device info, at least
+    Duration write_takes_{};                   // from a write to its acknowledgement
     int unlike_ = 0;                           // device infos, for has_varying_info()
     std::uint32_t announcements_ = 0;
     RoundTrip round_trip_;

@@ -120,6 +120,8 @@ public:
     };
     /// To be called when the frame is sent, for the first time or again.
     void send(TimePoint now, const RoundTrip& round_trip, const Send& send) noexcept;
+    /// The acknowledgement may take this long, as those before did.
+    void wait_at_least(Duration time) noexcept { patience_.at_least = std::max(patience_.at_least, time); }
     /// How long the send would wait for its answer.
     Duration wait_for_answer(const RoundTrip& round_trip, const Send& send) const noexcept;
     /// Delays the next send by `time`; no answer can arrive in that time. False: it was delayed before.

@@ -19,6 +19,12 @@ std::optional<std::uint16_t> parameter_in(FrameView request) noexcept {
 }
 
 bool is_command(const Exchange& exchange) noexcept { return exchange.frame().id() == id_of<"command">; }
+// A device that stores each value in its flash memory needs long for it.
+bool is_measured_write(const Exchange& exchange) noexcept {
+    return exchange.is_measured() && exchange.acts() && exchange.expects().is_acknowledgement();
+}
+// Rises at once, and falls slowly.
+Duration followed(Duration before, Duration takes) noexcept { return std::max(takes, (before + takes) / 2); }
 bool has_priority(const Exchange& exchange) noexcept { return exchange.is_urgent() || is_command(exchange); }
 
 }    // namespace
@@ -63,7 +69,10 @@ Taken Device::take(FrameView frame, TimePoint now) {
         }
         return taken == Taken::unasked && missed(frame, now) ? Taken::ended : taken;
     }
-    if (met->is_measured()) round_trip_.answered(std::max(now - met->first_sent(), Duration{}), met->sent() > 1);
+    if (is_measured_write(*met)) write_takes_ = followed(write_takes_, now - met->last_sent());
+    const bool is_slow_write = is_measured_write(*met) && write_takes_ > round_trip_.time_out();
+    if (met->is_measured() && !is_slow_write)
+        round_trip_.answered(std::max(now - met->first_sent(), Duration{}), met->sent() > 1);
     if (met->is_measured() && met->sent() == 1) round_trip_.answered_behind(met->last().others, now - met->first_sent());
     window_.answered(met->last().alone);
     heard_send_ = std::max(heard_send_, met->first_number());
@@ -238,7 +247,7 @@ bool Device::answers_for_info(const DeviceInfo& info, TimePoint now) {
     if (info_questions_.empty()) return is_doubled;
     info_questions_.erase(info_questions_.begin());
     const Duration takes = std::min(now - info_asked_at_.value_or(now), RoundTrip::ceiling);
-    info_takes_ = std::max(takes, (info_takes_ + takes) / 2);
+    info_takes_ = followed(info_takes_, takes);
     info_answered_at_ = now;
     return true;
 }
@@ -480,6 +489,7 @@ FrameView Device::send(Exchanges& from, Exchanges::iterator which, TimePoint now
     if (!which->was_sent()) sent_.splice(sent_.end(), from, which);
     last_sent_ = now;
     sends_ = send.number;
+    if (is_measured_write(*which)) which->wait_at_least(std::min(write_takes_ + write_takes_ / 4, RoundTrip::ceiling));
     which->send(std::max(now, line_is_busy_until_), round_trip_, send);
     if (is_question_for_info(which->frame())) expect_info(now);
     return which->frame();

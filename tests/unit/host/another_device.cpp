@@ -37,7 +37,9 @@ struct Swapped : testing::Test {
     std::size_t after = 2, seen = 0;
     bool is_swapped = false, is_one = true;
     TimePoint receives_from{};
-    std::vector<Bytes> acted;    // frames that acted on the other device
+    TimePoint deaf_until{};
+    std::size_t questions = 0;    // for its device info
+    std::vector<Bytes> acted;     // frames that acted on the other device
     std::function<std::optional<std::vector<Bytes>>(FrameView)> before;
 
     Swapped() {
@@ -74,6 +76,17 @@ struct Swapped : testing::Test {
         if (!other.is_announced) return;
         const auto info = fake.usual(FrameView{support::frame(0xFE, 0xDC, 0xE0, {0, 0, 0})});
         device.take(FrameView{info.at(0)}, simulation.now + 2 * Device::info_doubled_within);
+    }
+    /// It stores each value in its flash memory before it acknowledges it, and receives nothing meanwhile.
+    void write_slowly() {
+        before = [this](FrameView frame) -> std::optional<std::vector<Bytes>> {
+            if (simulation.now < deaf_until) return std::vector<Bytes>{};
+            if (is_question_for_info(frame)) ++questions;
+            if (frame.id() != 0xE1) return std::nullopt;
+            deaf_until = simulation.now + 400ms;
+            for (const Bytes& answer : fake.usual(frame)) simulation.answer_later(answer, 400ms);
+            return std::vector<Bytes>{};
+        };
     }
     template <class T>
     void run(T& task) {
@@ -122,6 +135,13 @@ TEST_P(EachOther, receives_no_value_of_an_import) {
               (std::vector{State::written, State::written, State::failed, State::waiting, State::waiting, State::waiting}));
 }
 
+TEST_P(EachOther, gets_no_frames_if_the_previous_device_writes_slowly) {
+    write_slowly();
+    ParameterApply task{device, nullptr, values()};
+    run(task);
+    is_left_alone(task);
+}
+
 TEST_P(EachOther, receives_no_restored_old_value) {
     ParameterApply task{device, nullptr, values(), {.rollback = true}};
     run(task);
@@ -165,6 +185,25 @@ TEST_F(Swapped, the_same_device_receives_the_value_again) {
         EXPECT_EQ(acted.size(), 4u) << "the lost one, and those behind it";
         EXPECT_EQ(states(task), std::vector<State>(6, State::written));
     }
+}
+
+TEST_F(Swapped, a_device_that_writes_slowly_is_not_asked_for_its_info_after_each_value) {
+    is_one = false;
+    write_slowly();
+    fake.parameters.clear();
+    fake.make_parameters(40, 0);
+    identify();
+    std::vector<std::pair<std::string, AnyValue>> all;
+    for (int i = 0; i < 40; ++i)
+        if (i % 10 < 8) all.emplace_back("PAR_" + std::to_string(i), std::int64_t{70 + i % 7});
+    all.resize(30);
+    const TimePoint begin = simulation.now;
+    questions = 0;
+    ParameterApply import{device, nullptr, all, {.also_the_same = true}};
+    run(import);
+    EXPECT_EQ(import.end()->ending, Ending::done) << import.end()->what;
+    EXPECT_LE(simulation.now - begin, 17s);
+    EXPECT_LE(questions, 5u);
 }
 
 TEST_F(Swapped, device_receives_no_second_save_or_reset) {
