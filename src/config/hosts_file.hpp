@@ -13,7 +13,7 @@ std::string in_lower_case(std::string_view name);
 /// With names in lower case. Lines without a valid address are ignored.
 HostAddresses names_in_hosts(std::string_view text);
 
-/// Without a readable file: empty.
+/// The names in the file `path`; none if it is unreadable.
 HostAddresses read_hosts_file(const std::string& path);
 
 }    // namespace anogate

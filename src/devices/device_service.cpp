@@ -69,11 +69,11 @@ bool acts_by(const Job& job, std::uint8_t id) {
     return job.is_writing() && (job.order.kind == JobKind::command) == (id == ano::id_of<"command">);
 }
 
-// During an upgrade a device answers nothing else. A command does not wait for other jobs, except for those that are only allowed on
-// the ground: a calibration would measure its effects, and restore_defaults changes the parameters that it uses.
+// During an upgrade a device answers nothing else. A command does not wait for other jobs, except for a calibration, which would measure
+// its effects: while the defaults are restored, with force even in flight, a landing must not be refused.
 bool may_run_beside(const JobOrder& order, const JobOrder& other) {
     if (other.kind == JobKind::firmware) return false;
-    return order.operation == Operation::read || (order.kind == JobKind::command && other.operation != Operation::ground);
+    return order.operation == Operation::read || (order.kind == JobKind::command && other.kind != JobKind::calibration);
 }
 
 }    // namespace

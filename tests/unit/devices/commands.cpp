@@ -707,18 +707,15 @@ TEST_F(CommandRoutes, actions_are_acknowledged) {
 }
 
 // The service first listens long enough to learn whether the device flies.
-TEST_F(CommandRoutes, wait_until_the_defaults_are_restored) {
+TEST_F(CommandRoutes, do_not_wait_for_other_jobs) {
     net.ask("GET", "/devices/0xDC/commands");
-    const auto restore = net.asked("POST", "/devices/0xDC/actions", R"({"action": "restore_defaults"})");
-    net.sent.clear();
-    const auto refused = net.ask("POST", "/devices/0xDC/commands/LAND");
-    EXPECT_EQ(refused.status, 409u) << refused.json;
-    EXPECT_EQ(std::count_if(net.sent.begin(), net.sent.end(), [](const Bytes& one) { return one[3] == 0xC0; }), 0);
-    ASSERT_TRUE(net.until([&] { return restore->has_value(); }));
-    EXPECT_EQ((*restore)->status, 200u);
-    EXPECT_EQ(net.ask("POST", "/devices/0xDC/commands/LAND").status, 200u);
-    const auto save = net.asked("POST", "/devices/0xDC/actions", R"({"action": "save"})");
-    EXPECT_EQ(net.ask("POST", "/devices/0xDC/commands/LAND").status, 200u) << "a command does not wait for other jobs";
+    for (const std::string action : {"restore_defaults", "save"}) {
+        const auto job = net.asked("POST", "/devices/0xDC/actions", R"({"action": ")" + action + R"("})");
+        EXPECT_FALSE(job->has_value()) << action;
+        EXPECT_EQ(net.ask("POST", "/devices/0xDC/commands/LAND").status, 200u) << action;
+        ASSERT_TRUE(net.until([&] { return job->has_value(); })) << action;
+        EXPECT_EQ((*job)->status, 200u) << action;
+    }
 }
 
 TEST_F(CommandRoutes, defaults_are_not_restored_in_the_air) {
