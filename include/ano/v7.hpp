@@ -41,6 +41,22 @@ inline constexpr std::uint8_t mcu = 0x61;
 inline constexpr std::uint8_t console = 0x66;
 inline constexpr std::uint8_t host = 0xAF;
 inline constexpr std::uint8_t broadcast = 0xFF;
+
+/// The usual owner of this address, as text for people; empty: none is known.
+constexpr std::string_view who(std::uint8_t a) noexcept {
+    switch (a) {
+    case flight_controller: return "flight controller";
+    case data_radio: return "data radio";
+    case optical_flow: return "optical flow";
+    case uwb: return "UWB";
+    case imu: return "IMU";
+    case mcu: return "vendor MCU";
+    case console: return "console";
+    case host: return "host";
+    case broadcast: return "broadcast";
+    default: return {};
+    }
+}
 }    // namespace address
 
 /// A view of one complete frame with valid checks. As cheap to copy as a span. Valid as long as the memory it refers to (for a

@@ -266,6 +266,8 @@ private:
     void describe_commands(const Origin& origin, Data data, V7Output& output);
     void describe_parameter(const Origin& origin, std::uint16_t index, V7Output& output);
     void describe_device(const Origin& origin, ano::TimePoint now, V7Output& output);
+    void end_own_request(const Request& ended, std::optional<std::int32_t> value, ano::TimePoint now, V7Output& output);
+    bool are_versions_known() const noexcept { return versions_[0].known && versions_[1].known && versions_[2].known; }
     void send_device_info(const Origin& origin, V7Output& output);
 
     // requests
@@ -274,6 +276,7 @@ private:
     bool has_waiting(const Origin& origin) const noexcept;
     Request& queued(std::size_t i) noexcept { return queue_[(first_ + i) % queue_.size()]; }
     Request& push(const Origin& origin, std::uint8_t v7_id, Data data) noexcept;
+    void remove_first() noexcept;
     void begin_next(ano::TimePoint now, V7Output& output);
     void send_request(ano::TimePoint now, V7Output& output);
     void end_request(ano::TimePoint now, V7Output& output, std::optional<std::int32_t> value = {});

@@ -5,6 +5,7 @@
 #include <ano_json/json_pointer.hpp>
 #include <ano_json/nearest.hpp>
 #include <ano_json/typed_values.hpp>
+#include <ano_json/v7_json.hpp>
 #include <ano_json/words.hpp>
 
 #include <nlohmann/json.hpp>
@@ -68,10 +69,12 @@ std::uint8_t byte_at(const Json& object, const char* key, std::uint8_t otherwise
     return static_cast<std::uint8_t>(*value);
 }
 
-std::uint8_t address_at(const Json& object, const char* key, std::uint8_t otherwise) {
+using FindAddress = std::variant<std::uint8_t, JsonFault> (&)(std::string_view word);
+
+std::uint8_t address_at(const Json& object, const char* key, std::uint8_t otherwise, FindAddress find = address_called) {
     const auto it = object.find(key);
     if (it == object.end() || !it->is_string() || number_of(*it)) return byte_at(object, key, otherwise);
-    const auto address = address_called(it->get_ref<const std::string&>());
+    const auto address = find(it->get_ref<const std::string&>());
     if (const auto* fault = std::get_if<JsonFault>(&address)) fail(pointer_step(key), std::string{key} + ": " + fault->what);
     return std::get<std::uint8_t>(address);
 }
@@ -364,8 +367,9 @@ std::vector<const FlexibleLayout*> selected_by(std::uint8_t id, std::uint8_t sou
     fail("", name + " has no layout in the configuration with all of these fields and values");
 }
 
-Data encode_fields(std::uint8_t id, std::uint8_t source, const Json& given, const JsonOptions& options, bool inside_a_tunnel) {
-    const auto layouts = layouts_of(id);
+// `layouts`: those of `id`, in its version of the protocol.
+Data encode_fields(std::span<const Message> layouts, std::uint8_t id, std::uint8_t source, const Json& given,
+                   const JsonOptions& options, bool inside_a_tunnel) {
     if (layouts.empty()) fail("", "id " + hex_byte(id) + " is not listed: only its data can be given");
     if (!given.is_object()) fail("", format_json(given) + " is not an object of fields");
     FieldReader reader{layouts.front().name, options, inside_a_tunnel};
@@ -400,7 +404,9 @@ Data encode_fields(std::uint8_t id, std::uint8_t source, const Json& given, cons
     fail_without_layout(layouts, given, options.value_type_7);
 }
 
-std::uint8_t id_of(const Json& json) {
+using FindId = std::variant<std::uint8_t, JsonFault> (&)(std::string_view word);
+
+std::uint8_t id_of(const Json& json, FindId find_id) {
     const auto name = json.find("name");
     const auto id = json.find("id");
     if (name == json.end()) {
@@ -408,7 +414,7 @@ std::uint8_t id_of(const Json& json) {
         return byte_at(json, "id", 0);
     }
     if (!name->is_string()) fail("/name", "name: " + format_json(*name) + " is not text");
-    const auto found = message_id(name->get_ref<const std::string&>());
+    const auto found = find_id(name->get_ref<const std::string&>());
     if (const auto* fault = std::get_if<JsonFault>(&found)) fail("/name", fault->what);
     const std::uint8_t named = std::get<std::uint8_t>(found);
     if (id != json.end() && byte_at(json, "id", 0) != named)
@@ -417,12 +423,13 @@ std::uint8_t id_of(const Json& json) {
     return named;
 }
 
-Data data_of(const Json& json, std::uint8_t id, std::uint8_t source, const JsonOptions& options, bool inside_a_tunnel) {
+Data data_of(const Json& json, std::span<const Message> layouts, std::uint8_t id, std::uint8_t source, const JsonOptions& options,
+             bool inside_a_tunnel) {
     if (const auto data = json.find("data"); data != json.end()) return hex_at(*data, "/data", "data");
     Data bytes;
     const auto fields = json.find("fields");
     try {
-        bytes = encode_fields(id, source, fields == json.end() ? Json::object() : *fields, options, inside_a_tunnel);
+        bytes = encode_fields(layouts, id, source, fields == json.end() ? Json::object() : *fields, options, inside_a_tunnel);
     } catch (JsonFault& fault) {
         fault.pointer.insert(0, "/fields");
         throw;
@@ -434,17 +441,21 @@ Data data_of(const Json& json, std::uint8_t id, std::uint8_t source, const JsonO
     return bytes;
 }
 
+void check_keys(const Json& json, std::span<const std::string_view> keys) {
+    if (!json.is_object()) fail("", format_json(json) + " is not an object");
+    for (const auto& [key, value] : json.items())
+        if (std::find(keys.begin(), keys.end(), key) == keys.end())
+            fail(pointer_step(key), "unknown key " + in_quotes(key) + did_you_mean(key, keys));
+}
+
 Data encode_object(const Json& json, const JsonOptions& options, bool inside_a_tunnel) {
     constexpr std::string_view keys[]{"from", "to",   "id",   "name", "fields",    "extra",
                                       "data", "time", "link", "peer", "direction", "cause"};
-    if (!json.is_object()) fail("", format_json(json) + " is not an object");
-    for (const auto& [key, value] : json.items())
-        if (std::find(std::begin(keys), std::end(keys), key) == std::end(keys))
-            fail(pointer_step(key), "unknown key " + in_quotes(key) + did_you_mean(key, keys));
-    const std::uint8_t id = id_of(json);
+    check_keys(json, keys);
+    const std::uint8_t id = id_of(json, message_id);
     const std::uint8_t from = address_at(json, "from", address::host);
     const std::uint8_t to = address_at(json, "to", address::broadcast);
-    const Data data = data_of(json, id, from, options, inside_a_tunnel);
+    const Data data = data_of(json, layouts_of(id), id, from, options, inside_a_tunnel);
     if (data.size() > max_len) fail("", std::to_string(data.size()) + " bytes of DATA are more than the 65535 a frame can carry");
     Data frame(overhead + data.size());
     encode(frame, from, to, id, data);
@@ -473,7 +484,7 @@ std::variant<std::vector<std::uint8_t>, JsonFault> frame_from_json(const Json& j
 std::variant<std::vector<std::uint8_t>, JsonFault> data_from_json(std::uint8_t id, std::uint8_t source, const Json& fields,
                                                                   const JsonOptions& options) {
     try {
-        return encode_fields(id, source, fields, options, false);
+        return encode_fields(layouts_of(id), id, source, fields, options, false);
     } catch (JsonFault& fault) {
         return std::move(fault);
     }
@@ -499,6 +510,71 @@ std::variant<std::uint8_t, JsonFault> message_id(std::string_view word) {
     std::vector<std::string_view> names;
     for (const Message& row : messages) names.push_back(row.name);
     return JsonFault{"", "there is no message " + in_quotes(word) + hex_or_word(word, names)};
+}
+
+namespace {
+
+std::variant<std::uint8_t, JsonFault> v7_address_called(std::string_view word) {
+    std::vector<std::string_view> names;
+    for (unsigned a = 0; a <= 255; ++a) {
+        const std::string_view who = v7::address::who(static_cast<std::uint8_t>(a));
+        if (who.empty()) continue;
+        if (is_same_word(who, word)) return static_cast<std::uint8_t>(a);
+        names.push_back(who);
+    }
+    return JsonFault{"", in_quotes(word) + " is not an address from 0 to 255" + hex_or_word(word, names)};
+}
+
+// Devices accept a command only with all of its bytes.
+void complete_v7_command(std::uint8_t id, Data& data) {
+    constexpr std::size_t command_size = 11;
+    if (id == 0xE0 && data.size() < command_size) data.resize(command_size);
+}
+
+Data encode_v7(const Json& json, const JsonOptions& options) {
+    constexpr std::string_view keys[]{"to", "id", "name", "fields", "extra", "data"};
+    check_keys(json, keys);
+    const std::uint8_t id = id_of(json, v7_message_id);
+    const std::uint8_t to = address_at(json, "to", v7::address::broadcast, v7_address_called);
+    Data data = data_of(json, v7::layouts_of(id), id, 0, options, false);
+    if (!json.contains("data")) complete_v7_command(id, data);
+    if (data.size() > v7::max_len)
+        fail("", std::to_string(data.size()) + " bytes of DATA are more than the 255 a frame of version 7 can carry");
+    Data frame(v7::overhead + data.size());
+    v7::encode(frame, to, id, data);
+    return frame;
+}
+
+}    // namespace
+
+std::variant<std::vector<std::uint8_t>, JsonFault> v7_frame_from_json(const Json& json, const JsonOptions& options) {
+    try {
+        return encode_v7(json, options);
+    } catch (JsonFault& fault) {
+        return std::move(fault);
+    }
+}
+
+std::variant<std::vector<std::uint8_t>, JsonFault> v7_data_from_json(std::uint8_t id, const Json& fields,
+                                                                     const JsonOptions& options) {
+    try {
+        Data data = encode_fields(v7::layouts_of(id), id, 0, fields, options, false);
+        complete_v7_command(id, data);
+        return data;
+    } catch (JsonFault& fault) {
+        return std::move(fault);
+    }
+}
+
+std::variant<std::uint8_t, JsonFault> v7_message_id(std::string_view word) {
+    if (const Message* message = v7::find_message(word)) return message->id;
+    if (const auto number = whole_number(Json(std::string{word})); number && *number <= 255)
+        return static_cast<std::uint8_t>(*number);
+    std::vector<std::string_view> names;
+    for (const Message& row : v7::table::differences) names.push_back(row.name);
+    for (const Message& row : messages)
+        if (row.is_base() && v7::is_same_in_v8(row.id)) names.push_back(row.name);
+    return JsonFault{"", "version 7 has no message " + in_quotes(word) + hex_or_word(word, names)};
 }
 
 }    // namespace ano

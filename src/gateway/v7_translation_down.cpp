@@ -18,6 +18,7 @@ namespace {
 
 constexpr std::size_t v7_command_size = 11;
 constexpr std::uint16_t v7_action = 0x10, v8_protocol_version = 800;
+constexpr std::uint16_t first_version = 2;    // parameters 2, 3 and 4: hardware, software, boot
 
 bool erases_firmware(std::span<const std::uint8_t> command) noexcept {
     return command.size() >= 3 && command[0] == 0x01 && command[1] == 0x20 && command[2] == 0xAA;
@@ -317,14 +318,16 @@ void V7Translation::describe_parameter(const Origin& origin, std::uint16_t index
     answer(origin, 0xE2, Data{info}.first(size), output);
 }
 
-// Without known versions, the device is asked for them first.
+// Asks the device for the versions that are not known yet, or for all if it may be another one. They are never stated in part:
+// a host would take the device for another one when they change.
 void V7Translation::describe_device(const Origin& origin, ano::TimePoint now, V7Output& output) {
     if (has_waiting(origin)) return drop(&V7Counters::merged);
-    const bool all_known = versions_of_ == origin.asked &&
-                           std::all_of(versions_.begin(), versions_.end(), [](const Version& v) { return v.known; });
-    if (all_known && is_present(now)) return send_device_info(origin, output);
+    const bool is_same = versions_of_ == origin.asked && is_present(now);
+    if (is_same && are_versions_known()) return send_device_info(origin, output);
     if (size_ + versions_.size() > queue_.size()) return drop(&V7Counters::down_queue_full);
-    for (std::uint16_t number = 2; number <= 4; ++number) {
+    if (!is_same) versions_ = {};
+    for (std::uint16_t number = first_version; number < first_version + versions_.size(); ++number) {
+        if (versions_[number - first_version].known) continue;
         std::uint8_t bytes[2];
         ano::store(bytes, number);
         Request& request = push(origin, 0xE1, bytes);
@@ -332,6 +335,28 @@ void V7Translation::describe_device(const Origin& origin, ano::TimePoint now, V7
         request.is_own = true;
     }
     begin_next(now, output);
+}
+
+// A request of describe_device() ended. One without an answer ends the others.
+void V7Translation::end_own_request(const Request& ended, std::optional<std::int32_t> value, ano::TimePoint now,
+                                    V7Output& output) {
+    if (versions_of_ != ended.origin.asked) versions_ = {};
+    versions_of_ = ended.origin.asked;
+    const auto is_next = [&] {
+        const Request& next = queue_[first_];
+        return size_ > 0 && next.is_own && next.origin.asked == ended.origin.asked && next.origin.host == ended.origin.host;
+    };
+    if (value) {
+        // The number of an unused parameter is no version.
+        const bool is_version = *value >= 0 && *value <= UINT16_MAX;
+        versions_[ended.subject - first_version] = {static_cast<std::uint16_t>(is_version ? *value : 0), true};
+        if (is_next()) return;
+    } else {
+        while (is_next()) remove_first();
+        const bool states_none = std::none_of(versions_.begin(), versions_.end(), [](const Version& v) { return v.known; });
+        if (states_none && is_present(now)) versions_.fill({0, true});
+    }
+    if (are_versions_known() && is_present(now)) send_device_info(ended.origin, output);
 }
 
 void V7Translation::send_device_info(const Origin& origin, V7Output& output) {
@@ -396,10 +421,7 @@ void V7Translation::begin_next(ano::TimePoint now, V7Output& output) {
         send_request(now, output);
         if (asks_for_data(queue_[first_]) || settings_.ack == V7Ack::device) continue;
         acknowledge(queue_[first_].origin, output);
-        in_flight_ = false;
-        first_ = (first_ + 1) % queue_.size();
-        --size_;
-        times_sent_ = 0;
+        remove_first();
     }
 }
 
@@ -413,28 +435,25 @@ void V7Translation::send_request(ano::TimePoint now, V7Output& output) {
     send_down(request.frame(), output);
 }
 
-// `value`: of the parameter that it asked for.
-void V7Translation::end_request(ano::TimePoint now, V7Output& output, std::optional<std::int32_t> value) {
-    const Request ended = queue_[first_];
+void V7Translation::remove_first() noexcept {
     in_flight_ = false;
     times_sent_ = 0;
     first_ = (first_ + 1) % queue_.size();
     --size_;
-    if (ended.is_own) {
-        if (ended.subject == 2) versions_ = {};
-        versions_of_ = ended.origin.asked;
-        // A value outside of the range, such as that of an unused number, is no version.
-        if (value)
-            versions_[ended.subject - 2u] = {static_cast<std::uint16_t>(*value >= 0 && *value <= UINT16_MAX ? *value : 0), true};
-        if (ended.subject == 4 && is_present(now)) send_device_info(ended.origin, output);
-    }
+}
+
+// `value`: of the parameter that it asked for.
+void V7Translation::end_request(ano::TimePoint now, V7Output& output, std::optional<std::int32_t> value) {
+    const Request ended = queue_[first_];
+    remove_first();
+    if (ended.is_own) end_own_request(ended, value, now, output);
     begin_next(now, output);
 }
 
 void V7Translation::expire(ano::TimePoint now, V7Output& output) {
     if (!in_flight_ || now < due_) return;
     const Request& request = queue_[first_];
-    if (asks_for_data(request) && !request.is_own && times_sent_ < settings_.repeats) return send_request(now, output);
+    if (asks_for_data(request) && times_sent_ < settings_.repeats) return send_request(now, output);
     ++counters_.unanswered;
     end_request(now, output);
 }

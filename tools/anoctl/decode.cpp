@@ -6,6 +6,7 @@
 
 #include <ano/hex.hpp>
 #include <ano/parser.hpp>
+#include <ano/v7.hpp>
 
 #include <nlohmann/json.hpp>
 #include <record/recording_writer.hpp>
@@ -22,6 +23,8 @@
 #include <ostream>
 #include <span>
 #include <string>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace anoctl {
@@ -34,15 +37,38 @@ constexpr std::size_t max_kept = 1 << 20;    // bytes not reported yet; of a lon
 
 std::string to_string(Checks checks) { return spaced_hex(std::array{checks.sum, checks.add}); }
 
+/// What differs between the versions of the protocol.
+struct InV8 {
+    using Parser = FrameParser;
+    static Parser parser() {
+        FrameParser::Options options;
+        options.max_data = max_len;
+        return Parser{options};
+    }
+    static Reading read(FrameView frame, const FlexibleLayouts& layouts) { return ano::read(frame, &layouts); }
+    static std::vector<GapPart> parts_of(Bytes gap) { return anoctl::parts_of(gap); }
+    static const char* other_version(const ParserCounters& now, const ParserCounters& before, Bytes) {
+        return now.v7_frames > before.v7_frames ? "contains frames of protocol version 7 (0xAA), see --v7" : nullptr;
+    }
+};
+struct InV7 {
+    using Parser = v7::FrameParser;
+    static Parser parser() { return Parser{{}}; }
+    static Reading read(v7::FrameView frame, const FlexibleLayouts& layouts) { return v7::read(frame, &layouts); }
+    static std::vector<GapPart> parts_of(Bytes) { return {}; }
+    static const char* other_version(const v7::ParserCounters&, const v7::ParserCounters&, Bytes gap) {
+        for (; !gap.empty(); gap = gap.subspan(1))
+            if (frame_at(gap)) return "contains frames of protocol version 8 (0xAB)";
+        return nullptr;
+    }
+};
+
 /// Prints frames while their bytes arrive, and the bytes between frames.
+template <class Version>
 class Decoder {
 public:
     Decoder(Streams& streams, const FrameOptions& options)
-        : streams_{streams}, json_{options.json}, printer_{streams, options}, parser_{[] {
-              FrameParser::Options o;
-              o.max_data = max_len;
-              return o;
-          }()} {}
+        : streams_{streams}, json_{options.json}, printer_{streams, options}, parser_{Version::parser()} {}
 
     void write_in(Bytes bytes) {
         while (!bytes.empty()) {
@@ -107,9 +133,10 @@ private:
         while (const auto frame = parser_.next()) {
             gap_until(good_ + parser_.counters().skipped_bytes);
             printer_.print(*frame);
-            if (const std::string why = undecoded(*frame, printer_.layouts()); !why.empty())
+            const Reading reading = Version::read(*frame, printer_.layouts());
+            if (const std::string why = undecoded(reading); !why.empty())
                 complain() << "offset " << reported_to_ << ": " << why << '\n';
-            if (read(*frame, &printer_.layouts()).readable() == Readable::too_short) damaged_ = true;
+            if (reading.readable() == Readable::too_short) damaged_ = true;
             good_ += frame->bytes().size();
             reported_to_ += frame->bytes().size();
         }
@@ -117,7 +144,7 @@ private:
     void gap_until(std::uint64_t end) {
         if (end > reported_to_) {
             damaged_ = true;
-            const std::vector<GapPart> parts = kept_at_ <= reported_to_ ? parts_of(kept(reported_to_, end))
+            const std::vector<GapPart> parts = kept_at_ <= reported_to_ ? Version::parts_of(kept(reported_to_, end))
                                                                         : std::vector<GapPart>{};
             for (const GapPart& part : parts) {
                 const std::uint64_t behind = reported_to_ + part.bytes.size();
@@ -131,7 +158,7 @@ private:
         before_ = parser_.counters();
     }
     void print_gap(std::uint64_t end, bool beside_frames) {
-        begin_complaint(end - reported_to_) << " outside any frame: " << cause(beside_frames) << '\n';
+        begin_complaint(end - reported_to_) << " outside any frame: " << cause(end, beside_frames) << '\n';
     }
     void print_wrong_checksum(const GapPart& part) {
         const Checks wrong{part.bytes[part.bytes.size() - 2], part.bytes[part.bytes.size() - 1]};
@@ -150,9 +177,10 @@ private:
         return complain() << "offset " << reported_to_ << ": " << bytes << (bytes == 1 ? " byte" : " bytes");
     }
     /// The reason why bytes are not a frame. `beside_frames`: wrong check bytes were reported already.
-    const char* cause(bool beside_frames) const {
-        const ParserCounters& now = parser_.counters();
-        if (now.v7_frames > before_.v7_frames) return "contains frames of protocol version 7 (0xAA)";
+    const char* cause(std::uint64_t end, bool beside_frames) const {
+        const auto& now = parser_.counters();
+        const Bytes gap = kept_at_ <= reported_to_ ? kept(reported_to_, end) : Bytes{};
+        if (const char* const other = Version::other_version(now, before_, gap)) return other;
         if (now.bad_check > before_.bad_check && !beside_frames) return "wrong checksum";
         if (now.expired > before_.expired) return "truncated frame";
         return "no frame starts here";
@@ -178,10 +206,10 @@ private:
     Streams& streams_;
     bool json_;
     FramePrinter printer_;
-    FrameParser parser_;
+    typename Version::Parser parser_;
     std::uint64_t reported_to_ = 0;    // offset up to which everything was reported
     std::uint64_t good_ = 0;           // bytes of valid frames
-    ParserCounters before_;            // counters at the last gap
+    std::decay_t<decltype(std::declval<typename Version::Parser>().counters())> before_;    // counters at the last gap
     bool damaged_ = false;
     std::vector<std::uint8_t> kept_;    // bytes from offset kept_at_ on, including those not reported yet
     std::uint64_t kept_at_ = 0;
@@ -190,10 +218,15 @@ private:
 
 struct Decode {
     std::vector<std::string> input;
+    bool v7 = false;
     FrameOptions frames;
 
-    int run(Streams& streams) const {
-        Decoder decoder{streams, frames};
+    int run(Streams& streams) const { return v7 ? run_in<InV7>(streams) : run_in<InV8>(streams); }
+
+private:
+    template <class Version>
+    int run_in(Streams& streams) const {
+        Decoder<Version> decoder{streams, frames};
         std::string joined;
         for (const std::string& word : input) joined += word + " ";
         const bool from_stdin = input.empty() || (input.size() == 1 && input[0] == "-");
@@ -209,8 +242,8 @@ struct Decode {
         return decoder.finish();
     }
 
-private:
-    void read_file(Decoder& decoder) const {
+    template <class Version>
+    void read_file(Decoder<Version>& decoder) const {
         const std::string& path = input[0];
         const int fd = input.size() == 1 ? open(path.c_str(), O_RDONLY | O_CLOEXEC) : -1;
         if (fd < 0) throw UsageError{complaint()};
@@ -251,6 +284,7 @@ Run add_decode(Options& options) {
     options.push_back({"input", &self->input, "[HEX|FILE|-]",
                        "Hex digits (0x before them or not), a file, or - for standard input. A file and standard input hold "
                        "bytes, or hex digits as text and nothing else"});
+    options.push_back({"--v7", &self->v7, "", "Decode frames of protocol version 7"});
     FrameOptions::add(options, self->frames);
     return [self](Streams& streams) { return self->run(streams); };
 }

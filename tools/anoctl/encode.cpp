@@ -103,7 +103,7 @@ private:
             const std::string where = "line " + std::to_string(lines.number());
             const Json json = json_in_text(line, where);
             if (json.is_object() && json.contains("fault")) continue;    // bytes that `decode` could not read as a frame
-            write(streams, frame_bytes(json, options, where + ": "));
+            write(streams, frame_bytes(json, options, where + ": ", given.v7));
             if (!lines.one_waits()) streams.out.flush();
         }
         return fine;
@@ -126,6 +126,8 @@ Run add_encode(Options& options) {
     const auto self = std::make_shared<Encode>();
     GivenFrame::add(options, self->given, "Message, by name or id; - reads JSON frames from standard input, one per line");
     options.push_back({"--raw", &self->raw, "", "Write bytes instead of hex digits", false, {"--json"}});
+    options.push_back(
+        {"--v7", &self->given.v7, "", "Encode a frame of protocol version 7, which has no source address", false, {"--from"}});
     FrameOptions::add(options, self->frames);
     return [self](Streams& streams) { return self->run(streams); };
 }

@@ -18,6 +18,7 @@ struct GivenFrame {
     std::string from = "254";
     std::string to = "255";
     std::optional<std::string> data;
+    bool v7 = false;    // a frame of protocol version 7
 
     /// `given` must live as long as the run; `help` is the text for NAME.
     static void add(Options& options, GivenFrame& given, const std::string& help);
@@ -28,7 +29,8 @@ private:
     ano::Json json() const;
 };
 
-/// The complete frame. Throws UsageError, whose text begins with `where`.
-std::vector<std::uint8_t> frame_bytes(const ano::Json& json, const ano::JsonOptions& options, const std::string& where);
+/// The complete frame. Throws UsageError, whose text begins with `where`. `v7`: of protocol version 7.
+std::vector<std::uint8_t> frame_bytes(const ano::Json& json, const ano::JsonOptions& options, const std::string& where,
+                                      bool v7 = false);
 
 }    // namespace anoctl

@@ -161,8 +161,8 @@ _anoctl() {
         'certificate --into') :; return ;;
     esac
     case $command in
-        'decode') options='--json --encoding --value-type-7 --config -h --help'; operands='_anoctl_files' ;;
-        'encode') options='--from --to --data --raw --json --encoding --value-type-7 --config -h --help'; operands='_anoctl_fields' ;;
+        'decode') options='--v7 --json --encoding --value-type-7 --config -h --help'; operands='_anoctl_files' ;;
+        'encode') options='--from --to --data --raw --v7 --json --encoding --value-type-7 --config -h --help'; operands='_anoctl_fields' ;;
         'messages') options='--markdown --json --lua --config -h --help'; operands='_anoctl_messages' ;;
         'monitor') options='--id --from --to --link --direction --count --control --json --encoding --value-type-7 --config -h --help'; operands='_anoctl_links' ;;
         'ports') options='--detect --json -h --help'; operands=':' ;;

@@ -9,6 +9,7 @@
 #include <support/anoctl.hpp>
 #include <support/bytes.hpp>
 #include <support/temp_dir.hpp>
+#include <support/v7_vectors.hpp>
 #include <support/vectors.hpp>
 
 namespace decode_tests {
@@ -306,6 +307,56 @@ TEST(Decode, distinguishes_battery_and_controller_supply_on_a_terminal) {
     EXPECT_NE(shown.find("voltage2 (controller supply) 5 V"), std::string::npos) << shown;
     const auto text = anoctl({"decode"}, power.out).out;
     EXPECT_EQ(text, "0xFE 0xFF 0x0D power voltage=11.1 current=0 voltage2=5 current2=0 reserved=0\n");
+}
+
+// --- Version 7
+
+TEST(DecodeV7, shows_receiver_id_name_and_fields) {
+    EXPECT_EQ(anoctl({"decode", "--v7", "AAFFE00B1000010000000000000000A585"}).out,
+              "0xFF 0xE0 command cid=16 cmd0=0 cmd1=1 values=0000000000000000\n");
+    EXPECT_EQ(anoctl({"decode", "--v7", "AAAF03078F001A00E82A001EEE"}).out,
+              "0xAF 0x03 euler rol=1.43 pit=0.26 yaw=109.84 fusion_sta=0\n");
+    EXPECT_EQ(anoctl({"decode", "--v7", "AAFF3407000000FFFFFFFFE046"}).out, "0xFF 0x34 ranging direction=0 angle=0 dist=null\n");
+    EXPECT_EQ(anoctl({"decode", "--v7", "--json", "AAAFE2060B00E803000037F0"}).out,
+              "{\"to\":175,\"id\":226,\"name\":\"parameter_value\",\"fields\":{\"par_id\":11,\"val\":1000}}\n");
+    EXPECT_EQ(anoctl({"decode", "--v7", "AAAFFA0208005D65"}).out, "0xAF 0xFA flexible10 data=\"0800\"\n");
+}
+
+TEST(DecodeV7, every_vector_to_its_json_and_encode_takes_that_back) {
+    std::string bytes;
+    std::string hex;
+    for (const auto& v : support::v7_vectors("valid")) {
+        bytes.append(v.v7.begin(), v.v7.end());
+        hex += ano::spaced_hex(v.v7) + "\n";
+    }
+    const auto decoded = anoctl({"decode", "--v7", "--json", "-"}, bytes);
+    EXPECT_EQ(decoded.exit, 0) << decoded.err;
+    const auto encoded = anoctl({"encode", "--v7", "-"}, decoded.out);
+    EXPECT_EQ(encoded.exit, 0) << encoded.err;
+    EXPECT_EQ(encoded.out, hex);
+    // Other lengths and values come back as well: with their bytes.
+    for (const auto& v : {support::v7_frame(0xFF, 0xE0, {0x10, 0, 1}), support::v7_frame(0xFF, 0x01, support::Bytes(18, 3)),
+                          support::v7_frame(0xFF, 0xB0, {1, 2}), support::v7_frame(0xFF, 0xFB, {})}) {
+        const auto json = anoctl({"decode", "--v7", "--json", ano::spaced_hex(v)}).out;
+        EXPECT_EQ(anoctl({"encode", "--v7", "-"}, json).out, ano::spaced_hex(v) + "\n") << json;
+    }
+}
+
+TEST(DecodeV7, tells_what_is_damaged_and_the_version_of_the_bytes) {
+    const std::string good = raw("AAAF0D045E06FA00C8F9");
+    std::string bad = good;
+    bad[8] = 0;
+    const auto result = anoctl({"decode", "--v7", "-"}, "abc" + good + bad + good + good.substr(0, 5));
+    EXPECT_EQ(result.exit, 1);
+    EXPECT_EQ(std::count(result.out.begin(), result.out.end(), '\n'), 2);
+    EXPECT_EQ(result.err,
+              "anoctl: offset 0: 3 bytes outside any frame: no frame starts here\n"
+              "anoctl: offset 13: 10 bytes outside any frame: wrong checksum\n"
+              "anoctl: offset 33: 5 bytes outside any frame: truncated frame\n");
+    EXPECT_EQ(anoctl({"decode", "--v7", log_hex}).err,
+              "anoctl: offset 0: 20 bytes outside any frame: contains frames of protocol version 8 (0xAB)\n");
+    EXPECT_EQ(anoctl({"decode", "AAAF0D045E06FA00C8F9"}).err,
+              "anoctl: offset 0: 10 bytes outside any frame: contains frames of protocol version 7 (0xAA), see --v7\n");
 }
 
 }    // namespace

@@ -183,5 +183,26 @@ TEST(Anoctl, treats_a_negative_number_as_a_value) {
     EXPECT_EQ(anoctl({"encode", "wind", "-x"}).err.find("anoctl: unknown option '-x'"), 0u);
 }
 
+// --- Version 7
+
+TEST(EncodeV7, makes_the_vendors_frames) {
+    EXPECT_EQ(anoctl({"encode", "--v7", "command", "cid=0x10", "cmd1=5", "values=u16:150"}).out,
+              "AA FF E0 0B 10 00 05 96 00 00 00 00 00 00 00 3F 59\n");
+    EXPECT_EQ(anoctl({"encode", "--v7", "parameter_read", "par_id=10", "--to", "flight controller"}).out,
+              "AA 05 E1 02 0A 00 9C B3\n");
+    EXPECT_EQ(anoctl({"encode", "--v7", "power", "voltage=16.3", "current=2.5", "--to", "host"}).out.substr(0, 11),
+              "AA AF 0D 04");
+    EXPECT_EQ(anoctl({"encode", "--v7", "0xF2", "--data", "01 00004842"}).out, "AA FF F2 05 01 00 00 48 42 2B 85\n");
+}
+
+TEST(EncodeV7, refuses_what_version_7_does_not_have) {
+    expect_refused({"encode", "--v7", "parameter_reed"},
+                   "version 7 has no message 'parameter_reed' (did you mean 'parameter_read'?)");
+    expect_refused({"encode", "--v7", "ranging", "type=1"}, "ranging has no field 'type'");
+    expect_refused({"encode", "--v7", "0xC1", "cmd=1"}, "id 0xC1 is not listed: only its data can be given");
+    EXPECT_EQ(anoctl({"encode", "--v7", "firmware"}).exit, 2);
+    EXPECT_EQ(anoctl({"encode", "--v7", "euler", "--from", "1"}).exit, 2);
+}
+
 }    // namespace
 }    // namespace encode_tests

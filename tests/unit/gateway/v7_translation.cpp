@@ -570,6 +570,23 @@ TEST(V7Translation, a_device_that_is_absent_is_not_described) {
     link.down(0xE0, {0, 0, 0});
     for (int i = 0; i < 3; ++i) link.pass(200ms);
     EXPECT_EQ(data_of(one(link.received)).size(), 9 + std::string{"V7 IMU"}.size()) << "it sends, but states no versions";
+    link.down(0xE0, {0, 0, 0});
+    EXPECT_EQ(link.received.size(), 1u);
+    link.now += 3s;
+    EXPECT_EQ(link.down(0xE0, {0, 0, 0}).size(), 1u) << "it may be another device now";
+    EXPECT_TRUE(link.received.empty());
+}
+
+TEST(V7Translation, versions_are_never_stated_in_part) {
+    V7Link link{imu};
+    link.down(0xE0, {0, 0, 0});
+    link.up(0xE2, pack(std::uint16_t{2}, std::int32_t{17}));
+    for (int i = 0; i < 3; ++i) link.pass(200ms);
+    EXPECT_TRUE(link.received.empty()) << "a host would take it for another device when the rest is known";
+    EXPECT_FALSE(link.translation.deadline());
+    EXPECT_EQ(link.down(0xE0, {0, 0, 0}), Frames{v7_frame(0x60, 0xE1, {3, 0})}) << "only for the unknown ones";
+    link.up(0xE2, pack(std::uint16_t{3}, std::int32_t{18}));
+    EXPECT_EQ(ano::load<std::uint16_t>(data_of(one(link.up(0xE2, pack(std::uint16_t{4}, std::int32_t{19})))).data() + 1), 17);
 }
 
 TEST(V7Translation, actions_on_all_parameters_become_commands) {

@@ -54,7 +54,7 @@ TEST(ResponseError, is_valid_json_whatever_text_it_quotes) {
 }
 
 TEST(ResponseError, of_a_busy_server_contains_retry_after) {
-    const std::string words = last_words(try_again("not now"));
+    const std::string words = final_text(try_again("not now"));
     EXPECT_EQ(words,
               "HTTP/1.1 503 Service Unavailable\r\nRetry-After: 1\r\nContent-Type: application/json\r\nServer: anogate\r\n"
               "Connection: close\r\nContent-Length: 37\r\n\r\n{\"error\": \"not now\", \"what\": \"busy\"}\n");

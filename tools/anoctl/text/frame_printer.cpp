@@ -9,6 +9,7 @@
 #include <ano_json/escapes.hpp>
 #include <ano_json/flexible_json.hpp>
 #include <ano_json/syntax_fault.hpp>
+#include <ano_json/v7_json.hpp>
 #include <ano_json/words.hpp>
 #include <gateway/frame_record.hpp>
 #include <sys/files/read_file.hpp>
@@ -92,10 +93,10 @@ std::string meaning_of(const Json& value, const Field& field, ValueType7 seven) 
 }
 
 // Empty: the frame has a layout, or its message has none at all.
-std::string unknown_layout(const Reading& reading, FrameView frame) {
+std::string unknown_layout(const Reading& reading) {
     const bool has_layouts = reading.message() != nullptr && !reading.message()->fields().empty();
     if (reading.readable() != Readable::unknown_layout || !has_layouts) return {};
-    return "unknown layout, LEN " + std::to_string(frame.data().size());
+    return "unknown layout, LEN " + std::to_string(reading.data().size());
 }
 
 std::string with_blank(const std::string& text) { return text.empty() ? text : " " + text; }
@@ -174,15 +175,36 @@ void FramePrinter::print(FrameView frame, const Passage& passage) {
         streams_.out << ano::json_text(json) << '\n';
         return;
     }
+    const Reading reading = read(frame, &layouts());
     if (!streams_.terminal) {
         if (!passage.link.empty()) print(passage, streams_.out);
-        return plain(frame, json, !passage.link.empty());
+        streams_.out << hex_byte(frame.source()) << ' ' << hex_byte(frame.destination()) << ' ';
+        return plain(reading, json, !passage.link.empty());
     }
     std::ostringstream line;
     if (!passage.link.empty()) print(passage, line);
-    columns(frame, json, line);
+    const auto who = [](std::uint8_t a) { return padded(hex_byte(a) + " " + std::string{address::who(a)}, 22); };
+    line << who(frame.source()) << " → " << who(frame.destination()) << ' ';
+    columns(reading, json, line);
     // Live frames take one line each; a frame given on the command line is shown completely.
     streams_.out << (passage.link.empty() ? line.str() : cut_line(line.str(), streams_.width)) << '\n';
+}
+
+void FramePrinter::print(v7::FrameView frame) {
+    const Json json = v7_frame_to_json(frame, options_);
+    if (json_) {
+        streams_.out << ano::json_text(json) << '\n';
+        return;
+    }
+    const Reading reading = v7::read(frame, &layouts());
+    if (!streams_.terminal) {
+        streams_.out << hex_byte(frame.destination()) << ' ';
+        return plain(reading, json, false);
+    }
+    const std::string who = hex_byte(frame.destination()) + " " + std::string{v7::address::who(frame.destination())};
+    streams_.out << "→ " << padded(who, 22) << ' ';
+    columns(reading, json, streams_.out);
+    streams_.out << '\n';
 }
 
 // 14:03:07.123 ground 192.168.1.20:6000 dropped limited; with "elsewhere" if the source has its route on another link.
@@ -196,24 +218,19 @@ void FramePrinter::print(const Passage& passage, std::ostream& out) const {
 
 // 0xDC 0xFE 0x03 euler rol=1.23 pit=0 yaw=0 fusion_sta=1: `encode` accepts the part after the id. For a live frame shown as
 // bytes, the reason is added.
-void FramePrinter::plain(FrameView frame, const Json& json, bool passes) {
-    const Reading reading = read(frame, &layouts());
-    streams_.out << hex_byte(frame.source()) << ' ' << hex_byte(frame.destination()) << ' ' << hex_byte(frame.id()) << ' '
-                 << json.value("name", "-");
+void FramePrinter::plain(const Reading& reading, const Json& json, bool passes) {
+    streams_.out << hex_byte(json["id"].get<std::uint8_t>()) << ' ' << json.value("name", "-");
     if (json.contains("fields"))
         for (const auto& [name, value] : json["fields"].items())
             streams_.out << ' ' << name << '=' << format_value(value, field_of(reading, name));
-    if (passes) streams_.out << with_blank(unknown_layout(reading, frame));
+    if (passes) streams_.out << with_blank(unknown_layout(reading));
     for (const char* key : {"extra", "data"})
         if (json.contains(key)) streams_.out << ' ' << key << '=' << format_value(json[key]);
     streams_.out << '\n';
 }
 
-void FramePrinter::columns(FrameView frame, const Json& json, std::ostream& out) const {
-    const Reading reading = read(frame, &layouts());
-    const auto who = [](std::uint8_t a) { return hex_byte(a) + " " + std::string{address::who(a)}; };
-    out << padded(who(frame.source()), 22) << " → " << padded(who(frame.destination()), 22) << ' '
-        << colored(dim, hex_byte(frame.id())) << ' ' << colored(cyan, padded(json.value("name", "-"), 18));
+void FramePrinter::columns(const Reading& reading, const Json& json, std::ostream& out) const {
+    out << colored(dim, hex_byte(json["id"].get<std::uint8_t>())) << ' ' << colored(cyan, padded(json.value("name", "-"), 18));
     if (json.contains("fields")) {
         for (const auto& [name, value] : json["fields"].items()) {
             const Field* f = field_of(reading, name);
@@ -225,7 +242,7 @@ void FramePrinter::columns(FrameView frame, const Json& json, std::ostream& out)
             out << ' ' << colored(dim, name + of) << ' ' << colored(bold, padded(text, room));
         }
     }
-    const std::string unknown = unknown_layout(reading, frame), wrong = unknown.empty() ? undecoded(frame, layouts()) : "";
+    const std::string unknown = unknown_layout(reading), wrong = unknown.empty() ? undecoded(reading) : "";
     if (!unknown.empty()) out << ' ' << colored(red, unknown);
     for (const char* key : {"extra", "data"})
         if (json.contains(key)) out << ' ' << colored(dim, key) << ' ' << json[key].get<std::string>();
@@ -246,13 +263,12 @@ std::string clock_text(double time) {
     return text.data();
 }
 
-std::string undecoded(FrameView frame, const FlexibleLayouts& layouts) {
-    const Reading reading = read(frame, &layouts);
-    if (!unknown_layout(reading, frame).empty())
-        return "unknown layout of " + std::string{reading.message()->name} + ", LEN " + std::to_string(frame.data().size());
+std::string undecoded(const Reading& reading) {
+    const std::string size = std::to_string(reading.data().size());
+    if (!unknown_layout(reading).empty()) return "unknown layout of " + std::string{reading.message()->name} + ", LEN " + size;
     if (reading.readable() != Readable::too_short) return {};
-    return "malformed " + std::string{reading.message()->name} + ": " + std::to_string(frame.data().size()) +
-           " bytes of data, expected at least " + std::to_string(reading.fixed_size());
+    return "malformed " + std::string{reading.message()->name} + ": " + size + " bytes of data, expected at least " +
+           std::to_string(reading.fixed_size());
 }
 
 }    // namespace anoctl

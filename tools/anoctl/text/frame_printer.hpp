@@ -4,6 +4,8 @@
 #include <anoctl/frame_receiver.hpp>
 
 #include <ano/flexible.hpp>
+#include <ano/reading.hpp>
+#include <ano/v7.hpp>
 #include <ano_json/frame_json.hpp>
 #include <record/sender_encodings.hpp>
 
@@ -45,14 +47,15 @@ public:
 
     /// Prints one line.
     void print(ano::FrameView frame, const Passage& passage = {});
+    void print(ano::v7::FrameView frame);
     /// The following frames are decoded with `decoding`, except for values given by the options.
     void use(const anogate::DecodingPtr& decoding);
     const ano::FlexibleLayouts& layouts() const noexcept { return *options_.flexible; }
 
 private:
     void print(const Passage& passage, std::ostream& out) const;
-    void plain(ano::FrameView frame, const ano::Json& json, bool passes);
-    void columns(ano::FrameView frame, const ano::Json& json, std::ostream& out) const;
+    void plain(const ano::Reading& reading, const ano::Json& json, bool passes);
+    void columns(const ano::Reading& reading, const ano::Json& json, std::ostream& out) const;
     std::string colored(const char* color, const std::string& text) const;
 
     Streams& streams_;
@@ -69,6 +72,6 @@ private:
 std::string clock_text(double time);
 
 /// The reason why DATA of a frame has no fields, as a clause. Empty if it has fields, or if the message is unknown or flexible.
-std::string undecoded(ano::FrameView frame, const ano::FlexibleLayouts& layouts);
+std::string undecoded(const ano::Reading& reading);
 
 }    // namespace anoctl
