@@ -326,8 +326,9 @@ void V7Translation::describe_device(const Origin& origin, ano::TimePoint now, V7
     if (is_same && are_versions_known()) return send_device_info(origin, output);
     if (size_ + versions_.size() > queue_.size()) return drop(&V7Counters::down_queue_full);
     if (!is_same) versions_ = {};
-    for (std::uint16_t number = first_version; number < first_version + versions_.size(); ++number) {
-        if (versions_[number - first_version].known) continue;
+    for (std::size_t i = 0; i < versions_.size(); ++i) {
+        if (versions_[i].known) continue;
+        const auto number = static_cast<std::uint16_t>(first_version + i);
         std::uint8_t bytes[2];
         ano::store(bytes, number);
         Request& request = push(origin, 0xE1, bytes);
