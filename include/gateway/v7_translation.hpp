@@ -171,6 +171,8 @@ public:
 
     const V7Settings& settings() const noexcept { return settings_; }
     const V7Counters& counters() const noexcept { return counters_; }
+    /// All frames that were dropped.
+    std::uint64_t dropped() const noexcept { return dropped_; }
 
     /// Whether a device without knowledge of the sender would take a frame with this id for a measurement of its own. Such a frame
     /// is never sent to it.
@@ -220,7 +222,10 @@ private:
         bool known = false;
     };
 
-    void drop(Count count) noexcept { ++(counters_.*count); }
+    void drop(Count count) noexcept {
+        ++(counters_.*count);
+        ++dropped_;
+    }
     /// The table is that of `address`; devices at other ids of the line have none.
     std::span<const V7Parameter> parameters_of(std::uint8_t device) const noexcept {
         return device == settings_.address ? std::span<const V7Parameter>{settings_.parameters} : std::span<const V7Parameter>{};
@@ -289,6 +294,7 @@ private:
     V7Acceleration acc_;
     V7Range range_;
     V7Counters counters_;
+    std::uint64_t dropped_ = 0;
 
     struct Altitude {
         std::int32_t value = 0;

@@ -321,7 +321,10 @@ void V7Translation::describe_parameter(const Origin& origin, std::uint16_t index
 // Asks the device for the versions that are not known yet, or for all if it may be another one. They are never stated in part:
 // a host would take the device for another one when they change.
 void V7Translation::describe_device(const Origin& origin, ano::TimePoint now, V7Output& output) {
-    if (has_waiting(origin)) return drop(&V7Counters::merged);
+    if (has_waiting(origin)) {
+        ++counters_.merged;
+        return;
+    }
     const bool is_same = versions_of_ == origin.asked && is_present(now);
     if (is_same && are_versions_known()) return send_device_info(origin, output);
     if (size_ + versions_.size() > queue_.size()) return drop(&V7Counters::down_queue_full);
@@ -409,7 +412,10 @@ V7Translation::Request& V7Translation::push(const Origin& origin, std::uint8_t v
 void V7Translation::ask(const Origin& origin, std::uint8_t v7_id, Data data, std::uint16_t subject, std::uint16_t index,
                         ano::TimePoint now, V7Output& output) {
     if (data.size() > settings_.max_data) return drop(&V7Counters::down_too_big);
-    if (has_waiting(origin)) return drop(&V7Counters::merged);
+    if (has_waiting(origin)) {
+        ++counters_.merged;
+        return;
+    }
     if (size_ == queue_.size()) return drop(&V7Counters::down_queue_full);
     Request& request = push(origin, v7_id, data);
     request.subject = subject;

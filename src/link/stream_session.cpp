@@ -25,8 +25,13 @@ StreamSession::StreamSession(const LinkContext& context)
               }},
       pacing_{context.alarms, [this] { write(); }} {}
 
+void StreamSession::translate(const V7LinkSettings& v7, const LinkSettings& link) {
+    if (v7.is_on()) v7_ = std::make_unique<V7Edge>(v7, link, context_, [this] { write(); });
+}
+
 void StreamSession::open(UniqueFd fd, Channel& channel) {
     channel_ = &channel;
+    if (v7_) v7_->begin(channel);
     descriptor_.open(std::move(fd));
     is_opening_ = true;
     continue_opening();
@@ -50,6 +55,7 @@ void StreamSession::begin_input() {
     begin_arrival(arrival_, fd(), stored_ ? &*stored_ : nullptr, now);
     if (!stored_) return;
     const StoredLink stored = *std::exchange(stored_, std::nullopt);
+    if (v7_) return;    // its parser is not stored
     const auto room = channel_->parser.prepare();
     const std::size_t size = std::min(stored.rest.size(), room.size());
     std::copy_n(stored.rest.begin(), size, room.begin());
@@ -64,6 +70,7 @@ void StreamSession::close() noexcept {
     expiry_.cancel();
     raw_.clear();
     is_opening_ = false;
+    if (v7_) v7_->pause();
 }
 
 void StreamSession::resume_reading() {
@@ -71,6 +78,12 @@ void StreamSession::resume_reading() {
 }
 
 void StreamSession::end_of_input() {
+    if (v7_) {
+        v7_->end_of_input();
+        context_.host.flush();
+        raw_.clear();
+        return;
+    }
     expiry_.cancel();
     channel_->parser.finish();
     deliver();
@@ -81,7 +94,7 @@ ssize_t StreamSession::read_some(std::span<std::uint8_t> room) { return ::read(f
 void StreamSession::read() {
     if (is_opening_) return continue_opening();
     for (int i = 0; i < reads_per_turn; ++i) {
-        const auto room = channel_->parser.prepare();
+        const auto room = v7_ ? v7_->prepare() : channel_->parser.prepare();
         const ssize_t n = read_some(room);
         const int error = n < 0 ? errno : 0;
         if (error == EINTR) break;
@@ -90,7 +103,8 @@ void StreamSession::read() {
         if (n <= 0) return read_ended(error);
         const LoopWatch& loop = context_.host.turn();
         channel_->arrived_at = arrival_.unstamped(loop);
-        channel_->parser.commit(static_cast<std::size_t>(n), loop.now());
+        if (v7_) v7_->commit(static_cast<std::size_t>(n), loop.now());
+        else channel_->parser.commit(static_cast<std::size_t>(n), loop.now());
         if (tap_) [[unlikely]]
             tap_->received(room.first(static_cast<std::size_t>(n)));
         deliver();
@@ -101,6 +115,11 @@ void StreamSession::read() {
 }
 
 void StreamSession::deliver() {
+    if (v7_) {
+        v7_->deliver();
+        context_.host.flush();
+        return write();
+    }
     while (const auto frame = channel_->parser.next()) receive(*frame);
     context_.host.flush();
 }
@@ -150,6 +169,38 @@ bool StreamSession::write_raw_first() {
     return true;
 }
 
+void StreamSession::queue_v7() {
+    const auto frames = v7_->unsent();
+    raw_.insert(raw_.end(), frames.begin(), frames.end());
+    v7_->written(frames.size());
+}
+
+// Takes a frame only when the previous one is written: urgent frames overtake those in the outbox, not those behind it.
+void StreamSession::write_v7() {
+    Outbox& outbox = channel_->outbox;
+    if (is_open()) queue_v7();
+    while (is_open()) {
+        if (!write_raw_first()) {
+            if (is_open()) outbox.set_congested();
+            return;
+        }
+        if (outbox.empty()) break;
+        const TimePoint now = context_.host.now();
+        const std::size_t budget = pacing_.budget(outbox, now);
+        std::span<const std::uint8_t> first;
+        if (budget == 0 || outbox.gather({&first, 1}, now, budget) == 0) break;
+        if (outbox.zeros() > 0) {
+            raw_.insert(raw_.end(), first.begin(), first.end());
+            outbox.sent(first.size());
+        } else {
+            v7_->take(outbox, ano::FrameView{first}, now);
+            queue_v7();
+        }
+        if (pacing_.is_on()) pacing_.correct(held_by_driver(), now);
+    }
+    if (is_open() && holds_bytes()) write_held();
+}
+
 // False: not everything is written, or the connection is lost.
 bool StreamSession::write_held() {
     const ssize_t n = write_some({});
@@ -165,6 +216,7 @@ bool StreamSession::write_held() {
 
 void StreamSession::write() {
     if (is_opening_ || (holds_bytes() && !write_held()) || (!raw_.empty() && !write_raw_first())) return;
+    if (v7_) return write_v7();
     std::array<std::span<const std::uint8_t>, frames_per_write> frames;
     std::array<iovec, frames_per_write> pieces;
     Outbox& outbox = channel_->outbox;

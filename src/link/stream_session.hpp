@@ -5,11 +5,13 @@
 #include <link/pacing.hpp>
 #include <link/raw_port.hpp>
 #include <link/stored_link.hpp>
+#include <link/v7_edge.hpp>
 #include <sys/descriptor.hpp>
 
 #include <sys/types.h>
 #include <sys/uio.h>
 
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -31,6 +33,8 @@ public:
     void open(UniqueFd fd, Channel& channel);
     /// To be called before open() for a descriptor of the previous run: its stored state.
     void go_on_from(StoredLink stored) { stored_ = std::move(stored); }
+    /// To be called before open(): the devices use V7. Nothing happens unless `v7` is on.
+    void translate(const V7LinkSettings& v7, const LinkSettings& link);
     bool is_open() const noexcept { return descriptor_.is_open(); }
     int fd() const noexcept { return descriptor_.fd(); }
     /// Sends the frames in the outbox: as many as can be written now, and the rest later.
@@ -79,6 +83,10 @@ protected:
     Pacing& pacing() noexcept { return pacing_; }
     const Pacing& pacing() const noexcept { return pacing_; }
     Channel& channel() noexcept { return *channel_; }
+    /// The counters of the translation, where there is one.
+    void add_facts(LinkFacts& facts) const {
+        if (v7_) v7_->add_facts(facts);
+    }
 
     LinkContext context_;
 
@@ -87,6 +95,8 @@ private:
     void read();
     void deliver();
     bool write_held();
+    void write_v7();
+    void queue_v7();
     bool write_raw_first();
     void pass_to_tap(std::span<const std::span<const std::uint8_t>> frames, std::size_t bytes);
 
@@ -99,6 +109,7 @@ private:
     std::vector<std::uint8_t> raw_;    // written by hand; sent before the next frame
     bool is_opening_ = false;
     std::optional<StoredLink> stored_;
+    std::unique_ptr<V7Edge> v7_;    // nullptr: the devices use V8
 };
 
 }    // namespace anogate

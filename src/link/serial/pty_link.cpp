@@ -4,6 +4,7 @@
 #include <link/serial/pty_link.hpp>
 #include <link/serial/pty_settings.hpp>
 #include <link/serial/termios.hpp>
+#include <link/v7_keys.hpp>
 #include <sys/errors.hpp>
 #include <sys/files/own_folder.hpp>
 #include <sys/files/terminal_path.hpp>
@@ -180,6 +181,7 @@ LinkError PtyLink::why_gone(int error) const { return error_text(device_, error 
 LinkFacts PtyLink::facts() const {
     LinkFacts facts{{"path", settings().as<PtySettings>().path}, {"device", device_}};
     if (pacing().rate() > 0) facts.push_back({"paced", std::int64_t{pacing().rate()}});
+    add_facts(facts);
     return facts;
 }
 
@@ -187,10 +189,11 @@ namespace {
 
 using namespace key_rows;
 
-constexpr Key<LinkSettings> pty_keys[] = {
+constexpr Key<LinkSettings> own_pty_keys[] = {
     text<own<PtySettings>, &PtySettings::path>("path", 1, max_path, "the symbolic link to create for the pseudo-terminal") |
         as("PATH") | needed,
 };
+constexpr auto pty_keys = with_v7(own_pty_keys, v7_rows<PtySettings>());
 
 std::optional<SharedByTwo> shared_path(const LinkSettings& a, const LinkSettings& b) {
     const std::string& path = b.as<PtySettings>().path;
@@ -221,6 +224,7 @@ constinit const LinkKind pty_kind{
         [](const LinkSettings& link) {
             return LinkPath{link.as<PtySettings>().path, true};
         },
+    .validate = [](const LinkSettings& link, LinkFaults& faults) { check_v7(link.as<PtySettings>().v7, faults); },
     .shared = shared_path,
 };
 

@@ -10,7 +10,9 @@ namespace anogate {
 class PtyLink final : public StreamLink {
 public:
     PtyLink(LinkId id, LinkSettings settings, const LinkContext& context)
-        : StreamLink{id, std::move(settings), context}, watch_{context.io}, look_{context.alarms, [this] { look(); }} {}
+        : StreamLink{id, std::move(settings), context}, watch_{context.io}, look_{context.alarms, [this] { look(); }} {
+        translate(this->settings().as<PtySettings>().v7, this->settings());
+    }
     void stop_reading() override;
     void stop() override;
     std::size_t unsent() const override;

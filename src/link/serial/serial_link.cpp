@@ -6,6 +6,7 @@
 #include <link/serial/serial_link.hpp>
 #include <link/serial/serial_settings.hpp>
 #include <link/serial/termios.hpp>
+#include <link/v7_keys.hpp>
 #include <sys/device_holder.hpp>
 #include <sys/device_permission.hpp>
 #include <sys/errors.hpp>
@@ -186,6 +187,7 @@ LinkFacts SerialLink::facts() const {
                     {"baud", std::int64_t{wire_ < 0 || actual_baud_ == 0 ? settings().as<SerialSettings>().baud : actual_baud_}}};
     if (rs485_) facts.push_back({"rs485", rs485_by_driver_ ? "by the driver and a GPIO line" : "by a GPIO line"});
     if (pacing().rate() > 0) facts.push_back({"paced", std::int64_t{pacing().rate()}});
+    add_facts(facts);
     return facts;
 }
 
@@ -194,7 +196,7 @@ namespace {
 using namespace key_rows;
 using Serial = SerialSettings;
 
-constexpr Key<LinkSettings> serial_keys[] = {
+constexpr Key<LinkSettings> own_serial_keys[] = {
     text<own<Serial>, &Serial::device>("device", 1, max_path, "path of the port") | as("PATH") | needed,
     integer<own<Serial>, &Serial::baud>("baud", 1, std::numeric_limits<std::uint32_t>::max(),
                                         "baud rate; any rate that the driver supports"),
@@ -208,6 +210,7 @@ constexpr Key<LinkSettings> serial_keys[] = {
     boolean<own<Serial>, &Serial::dtr>("dtr", "set the DTR line on or off (default: left to the driver)"),
     boolean<own<Serial>, &Serial::rts>("rts", "set the RTS line on or off (default: left to the driver)"),
 };
+constexpr auto serial_keys = with_v7(own_serial_keys, v7_rows<Serial>());
 
 std::string name_of_port(const LinkSettings& link) {
     const std::string& device = link.as<Serial>().device;
@@ -221,6 +224,7 @@ LineRate rate_of_port(const LinkSettings& link) {
 
 void validate_serial(const LinkSettings& link, LinkFaults& faults) {
     if (!faults.is_whole()) return;
+    check_v7(link.as<Serial>().v7, faults);
     if (std::string fault = fault_of_device(link.as<Serial>().device); !fault.empty()) faults.error("device", std::move(fault));
 }
 

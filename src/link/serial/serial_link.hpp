@@ -8,12 +8,15 @@
 
 #include <memory>
 #include <optional>
+#include <utility>
 
 namespace anogate {
 
 class SerialLink final : public StreamLink {
 public:
-    using StreamLink::StreamLink;
+    SerialLink(LinkId id, LinkSettings settings, const LinkContext& context) : StreamLink{id, std::move(settings), context} {
+        translate(this->settings().as<SerialSettings>().v7, this->settings());
+    }
     std::size_t unsent() const override;
     /// To be called before start() for RS-485: `send(true)` switches the transceiver to sending, `send(false)` back.
     void half_duplex(bool active_low, std::function<void(bool)> send);

@@ -1,5 +1,7 @@
 // The settings of a serial port.
 #pragma once
+#include <link/v7_settings.hpp>
+
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -25,6 +27,7 @@ struct SerialSettings {
     Pace pace = Pace::automatic;
     std::optional<bool> dtr;    // std::nullopt: left as the driver sets it
     std::optional<bool> rts;
+    V7LinkSettings v7{};
     bool operator==(const SerialSettings&) const = default;
 };
 

@@ -5,6 +5,7 @@
 #include <link/tcp/tcp_keys.hpp>
 #include <link/tcp/tcp_link.hpp>
 #include <link/tcp/tcp_socket.hpp>
+#include <link/v7_keys.hpp>
 #include <sys/errors.hpp>
 
 #include <cerrno>
@@ -31,6 +32,7 @@ TcpLink::TcpLink(LinkId id, LinkSettings settings, const LinkContext& context)
                  Backoff::network} {
     if (this->settings().kind->encrypts)
         tls_ = std::make_unique<TlsContext>(this->settings().as<TcpSettings>().tls, TlsContext::Side::connects);
+    translate(this->settings().as<TcpSettings>().v7, this->settings());
 }
 
 void TcpLink::connected(UniqueFd fd, const Endpoint& peer) {
@@ -95,6 +97,7 @@ std::size_t TcpLink::unsent() const { return not_acknowledged(); }
 LinkFacts TcpLink::facts() const {
     LinkFacts facts{{"peer", tcp_peer(settings()).text()}};
     if (const auto days = tls_ ? tls_->days_left() : std::nullopt) facts.push_back({"certificate_days", *days});
+    add_facts(facts);
     if (!is_open()) return facts;
     facts.push_back({"address", connected_to_});
     facts.push_back({"unacknowledged_ms", std::int64_t{not_acknowledged_for().count()}});
@@ -106,14 +109,16 @@ namespace {
 using namespace key_rows;
 using Tcp = TcpSettings;
 
-constexpr Key<LinkSettings> tcp_keys[] = {
+constexpr Key<LinkSettings> own_tcp_keys[] = {
     host<own<Tcp>, &Tcp::peer>("address", "HOST:PORT to connect to; a name or an IP address") | needed,
     duration<own<Tcp>, &Tcp::dead_after>("dead_after", second, day,
                                          "close a connection when the peer is silent or acknowledges nothing for this time"),
 };
+constexpr auto tcp_keys = with_v7(own_tcp_keys, v7_rows<Tcp>());
 
 void validate_tcp(const LinkSettings& link, LinkFaults& faults) {
     if (!faults.is_whole()) return;
+    check_v7(link.as<Tcp>().v7, faults);
     const HostSpec& peer = tcp_peer(link);
     const std::string text = peer.text();
     const IpAddress& address = peer.address;

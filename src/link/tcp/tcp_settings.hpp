@@ -2,6 +2,7 @@
 #pragma once
 #include <ano/time.hpp>
 #include <gateway/host_spec.hpp>
+#include <link/v7_settings.hpp>
 
 #include <chrono>
 #include <cstdint>
@@ -26,6 +27,7 @@ struct TcpSettings {
     HostSpec peer;
     ano::Duration dead_after = std::chrono::seconds{10};
     LinkCertificates tls;    // of a `tls` link
+    V7LinkSettings v7{};     // not of a `tls` link
     bool operator==(const TcpSettings&) const = default;
 };
 

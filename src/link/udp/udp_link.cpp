@@ -8,12 +8,14 @@
 #include <link/udp/udp_keys.hpp>
 #include <link/udp/udp_link.hpp>
 #include <link/udp/udp_settings.hpp>
+#include <link/v7_keys.hpp>
 #include <sys/errors.hpp>
 
 #include <net/if.h>
 #include <netinet/in.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cstring>
 #include <utility>
 
@@ -48,7 +50,10 @@ UdpLink::UdpLink(LinkId id, LinkSettings settings, const LinkContext& context)
       rejoin_{context.alarms, [this] { keep_joined(); }, join_slack},
       look_up_{context.alarms, [this] { look_up_again(); }, look_up_slack},
       interface_watch_{context, [this](LinkError why) { fail(std::move(why)); }},
-      pacing_{context.alarms, [this] { flush(*channel_); }} {}
+      pacing_{context.alarms, [this] { flush(*channel_); }} {
+    const V7LinkSettings& v7 = this->settings().as<UdpSettings>().v7;
+    if (v7.is_on()) v7_ = std::make_unique<V7Edge>(v7, this->settings(), context_, [this] { flush(*channel_); });
+}
 
 void UdpLink::start() {
     channel_ = context_.host.open_channel(*this, settings().as<UdpSettings>().peer.text());
@@ -98,6 +103,7 @@ Opened<void> UdpLink::open(const Endpoint& peer) {
     local_ = local_endpoint(socket->get());
     pacing_.start(settings().rate, settings().latency, settings().gap);
     if (pacing_.is_on()) keep_send_buffer_small(socket->get());
+    if (v7_) v7_->begin(*channel_);
     descriptor_.open(std::move(*socket));
     descriptor_.read_with([this] { read(); });
     interface_watch_.start(watched());
@@ -191,6 +197,7 @@ void UdpLink::fail(LinkError why) {
     rejoin_.cancel();
     stop_looking_up();
     expiry_.cancel();
+    if (v7_) v7_->end_of_input();
     channel_->parser.finish();
     deliver();
     reconnect_.lost(std::move(why));
@@ -206,6 +213,7 @@ void UdpLink::stop_reading() {
 void UdpLink::stop() {
     reconnect_.stop();
     expiry_.cancel();
+    if (v7_) v7_->pause();
     again_.cancel();
     rejoin_.cancel();
     stop_looking_up();
@@ -234,11 +242,13 @@ void UdpLink::read() {
         if (tap_) [[unlikely]]
             tap_->received(context_.batch.datagram(at));
         channel_->arrived_at = context_.batch.arrived_at(at, arrival_, loop);
-        feed_datagram(channel_->parser, context_.batch.datagram(at), now, [&](ano::FrameView frame) { receive(frame); });
+        if (v7_) v7_->receive_datagram(context_.batch.datagram(at), now);
+        else feed_datagram(channel_->parser, context_.batch.datagram(at), now, [&](ano::FrameView frame) { receive(frame); });
     }
     if (static_cast<std::size_t>(count) < DatagramBatch::max_datagrams) arrival_.found_empty(asked);
     if (const auto due = channel_->parser.deadline()) expiry_.set(*due);
     context_.host.flush();
+    if (v7_ && descriptor_.is_open()) flush(*channel_);
 }
 
 // The socket also receives our own multicast and broadcast datagrams.
@@ -261,6 +271,7 @@ void UdpLink::deliver() {
 
 void UdpLink::flush(Channel& channel) {
     if (!descriptor_.is_open()) return;
+    if (v7_) return flush_v7();
     const DatagramSender::Way way{
         descriptor_.fd(), connected_ ? nullptr : &to_, settings().pack ? settings().mtu : 0u, nullptr, SIZE_MAX, tap_};
     const SendReport report = context_.sender.send_all(way, channel.outbox, pacing_, context_.host.now());
@@ -272,6 +283,57 @@ void UdpLink::flush(Channel& channel) {
     case SendResult::no_memory: again_.set(context_.host.now() + no_memory_pause); return;
     case SendResult::broken: return fail(error_text("sending to " + settings().as<UdpSettings>().peer.text(), report.error));
     }
+}
+
+// One datagram for each V7 frame. A frame is taken only when the previous one is sent.
+void UdpLink::flush_v7() {
+    Outbox& outbox = channel_->outbox;
+    while (write_v7() && !outbox.empty()) {
+        const TimePoint now = context_.host.now();
+        const std::size_t budget = pacing_.budget(outbox, now);
+        std::span<const std::uint8_t> first;
+        if (budget == 0 || outbox.gather({&first, 1}, now, budget) == 0) return;
+        v7_->take(outbox, ano::FrameView{first}, now);
+    }
+}
+
+// False: the rest waits, or the socket failed.
+bool UdpLink::write_v7() {
+    int failures = 0;    // each frame is tried twice, because an error may belong to an earlier datagram
+    while (!v7_->unsent().empty()) {
+        const auto frame = v7_->first_unsent();
+        if (write_raw(frame)) {
+            pacing_.sent(frame.size(), context_.host.now());
+            v7_->written(frame.size());
+            failures = 0;
+            continue;
+        }
+        const int error = errno;
+        if (error == EINTR) continue;
+        note({SendResult::done, error, error == ECONNREFUSED ? 1u : 0u});
+        switch (error) {
+        case EAGAIN:
+            channel_->outbox.set_congested();
+            descriptor_.when_writable([this] { flush(*channel_); });
+            return false;
+        case ENOBUFS:
+        case ENOMEM:
+            channel_->outbox.set_congested();
+            again_.set(context_.host.now() + no_memory_pause);
+            return false;
+        case EBADF:
+        case EINVAL:
+        case ENODEV:
+        case ENETDOWN:
+        case EADDRNOTAVAIL:
+        case ENOTCONN: fail(error_text("sending to " + settings().as<UdpSettings>().peer.text(), error)); return false;
+        default:
+            if (++failures < 2) continue;
+            failures = 0;
+            v7_->written(frame.size());
+        }
+    }
+    return true;
 }
 
 bool UdpLink::write_raw(std::span<const std::uint8_t> bytes) {
@@ -299,6 +361,7 @@ LinkError UdpLink::trouble() const { return context_.host.now() - trouble_at_ < 
 
 LinkFacts UdpLink::facts() const {
     LinkFacts facts{{"peer", settings().as<UdpSettings>().peer.text()}};
+    if (v7_) v7_->add_facts(facts);
     if (!descriptor_.is_open()) return facts;
     if (!settings().as<UdpSettings>().peer.host.empty()) facts.push_back({"sends_to", endpoint_of(to_.storage).text()});
     facts.push_back({"address", local_.text()});
@@ -312,16 +375,18 @@ namespace {
 using namespace key_rows;
 using Udp = UdpSettings;
 
-constexpr Key<LinkSettings> udp_keys[] = {
+constexpr Key<LinkSettings> own_udp_keys[] = {
     host<own<Udp>, &Udp::peer>("address", "the peer's HOST:PORT; if a name has several addresses, an IPv4 address is used") |
         needed,
     endpoint<own<Udp>, &Udp::bind>("bind", "local IP:PORT to send from (default: chosen by the system)") | local,
     text<own<Udp>, &Udp::interface>("interface", 1, max_interface, one_interface_help),
 };
+constexpr auto udp_keys = with_v7(own_udp_keys, v7_rows<Udp>());
 
 void validate_udp(const LinkSettings& link, LinkFaults& faults) {
     if (!faults.is_whole()) return;
     const Udp& udp = link.as<Udp>();
+    check_v7(udp.v7, faults);
     const std::string peer = udp.peer.text();
     const IpAddress& address = udp.peer.address;
     if (udp.peer.port == 0) faults.error("address", "'" + peer + "' has port 0: give the port of the peer, 1 to 65535");

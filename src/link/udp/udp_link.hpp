@@ -10,8 +10,10 @@
 #include <link/stored_link.hpp>
 #include <link/udp/ip_socket.hpp>
 #include <link/udp/udp_settings.hpp>
+#include <link/v7_edge.hpp>
 #include <sys/descriptor.hpp>
 
+#include <memory>
 #include <optional>
 
 namespace anogate {
@@ -53,6 +55,8 @@ private:
     bool own(const sockaddr_storage& sender, TimePoint now);
     void receive(ano::FrameView frame);
     void deliver();
+    void flush_v7();
+    bool write_v7();
     void note(const SendReport& report);
 
     LinkContext context_;
@@ -77,6 +81,7 @@ private:
     std::uint64_t refused_ = 0;
     LinkError trouble_;
     TimePoint trouble_at_{};
+    std::unique_ptr<V7Edge> v7_;    // nullptr: the devices use V8
 };
 
 }    // namespace anogate

@@ -2,6 +2,7 @@
 #pragma once
 #include <ano/time.hpp>
 #include <gateway/host_spec.hpp>
+#include <link/v7_settings.hpp>
 
 #include <chrono>
 #include <cstdint>
@@ -28,6 +29,7 @@ struct UdpSettings {
     HostSpec peer;
     std::optional<EndpointSpec> bind;
     std::string interface;    // as in UdpListenSettings
+    V7LinkSettings v7{};
     bool operator==(const UdpSettings&) const = default;
 };
 

@@ -4,6 +4,7 @@
 #include <link/serial/pty_settings.hpp>
 #include <link/serial/serial_settings.hpp>
 #include <link/sim_settings.hpp>
+#include <link/tcp/tcp_settings.hpp>
 #include <link/udp/udp_settings.hpp>
 
 #include <unit/config/faults.hpp>
@@ -69,6 +70,70 @@ TEST(LinkText, an_impossible_device_path_is_reported_with_a_suggestion) {
     for (const std::string device : {"/dev/serial/by-path/pci-0000:00:14.0-usb-0:1:1.0-port0",
                                      "/dev/serial/by-path/platform-x-usb-0:1:1.0", "./here", "a/b", "/dev/ttyUSB0"})
         EXPECT_EQ(link_of("serial:" + device).as<SerialSettings>().device, device);
+}
+
+TEST(LinkText, has_the_keys_of_protocol_v7) {
+    const std::string keys =
+        ",protocol=v7,v7_device=0xDD,v7_sources=0x51:0xDE+0xF1-0xFA:0xDB,v7_address=0x60,v7_acc=2048,v7_temp=10,"
+        "v7_range=doc,v7_layout=keep,v7_down=0x40+0xF1-0xFA,v7_ack=sent,v7_repeat=1,v7_params=lx,v7_max=60";
+    const V7LinkSettings serial = link_of("serial:/dev/ttyUSB0" + keys).as<SerialSettings>().v7;
+    EXPECT_EQ(link_of("udp:192.168.1.2:6670" + keys).as<UdpSettings>().v7, serial);
+    EXPECT_EQ(link_of("tcp:192.168.1.2:6670" + keys).as<TcpSettings>().v7, serial);
+    EXPECT_EQ(link_of("pty:/tmp/fc" + keys).as<PtySettings>().v7, serial);
+    EXPECT_TRUE(serial.is_on());
+    const V7Settings v7 = serial.translation();
+    EXPECT_EQ(v7.address, 0xDD);
+    EXPECT_EQ(v7.sources, (std::vector<V7Source>{{0x51, 0x51, 0xDE}, {0xF1, 0xFA, 0xDB}}));
+    EXPECT_EQ(v7.v7_address, 0x60);
+    EXPECT_EQ(v7.acc, v7_acc_flow);
+    EXPECT_EQ(v7.temp, 10u);
+    EXPECT_EQ(v7.range, V7Range::doc);
+    EXPECT_EQ(v7.layout, V7Layout::keep);
+    EXPECT_EQ(v7.down.count(), 11u);
+    EXPECT_TRUE(v7.down[0x40] && v7.down[0xF1] && v7.down[0xFA]);
+    EXPECT_EQ(v7.ack, V7Ack::sent);
+    EXPECT_EQ(v7.repeats, 1u);
+    EXPECT_EQ(v7.parameters, v7_lx_parameters());
+    EXPECT_EQ(v7.max_data, 60u);
+}
+
+TEST(LinkText, with_only_the_device_of_v7_has_the_usual_settings) {
+    const V7Settings v7 = link_of("serial:/dev/ttyUSB0,protocol=v7,v7_device=33").as<SerialSettings>().v7.translation();
+    const V7Settings usual;
+    EXPECT_EQ(v7.address, 33);
+    EXPECT_EQ(v7.acc, std::nullopt);
+    EXPECT_EQ(v7.temp, usual.temp);
+    EXPECT_EQ(v7.range, std::nullopt);
+    EXPECT_EQ(v7.v7_address, std::nullopt);
+    EXPECT_EQ(v7.down, usual.down);
+    EXPECT_EQ(v7.repeats, usual.repeats);
+    EXPECT_EQ(v7.max_data, usual.max_data);
+    EXPECT_TRUE(v7.parameters.empty());
+    EXPECT_FALSE(link_of("serial:/dev/ttyUSB0").as<SerialSettings>().v7.is_on());
+}
+
+TEST(LinkText, explains_wrong_keys_of_protocol_v7) {
+    const auto fault = [](const std::string& keys) { return fault_of("serial:/dev/ttyUSB0," + keys); };
+    EXPECT_EQ(
+        fault("protocol=v7"),
+        "'protocol' v7 needs 'v7_device', the id under which hosts see the device: 0xDC, 0xDD, 0xDB, 0xDE, 0xE6, or 1 to 199");
+    EXPECT_EQ(fault("v7_device=0xDD"), "the keys v7_... have no effect without 'protocol' v7");
+    EXPECT_EQ(fault("protocol=v7,v7_device=0xFE"), "'v7_device' must be 0xDC, 0xDD, 0xDB, 0xDE, 0xE6, or 1 to 199, not 0xFE");
+    EXPECT_EQ(
+        fault("protocol=v7,v7_device=0xDD,v7_sources=51"),
+        "'v7_sources' must be ID:DEVICE such as 0x51:0xDE or 0xF1-0xFA:0xDB, with a device of 0xDC, 0xDD, 0xDB, 0xDE, 0xE6, or 1 "
+        "to 199, not '51'");
+    EXPECT_EQ(fault("protocol=v7,v7_device=0xDD,v7_acc=0"),
+              "'v7_acc' must be lx, flow, cmss, keep or a number above 0 such as 2048, not '0'");
+    for (const std::string id : {"0x01", "0x0F", "0x20", "0x21"})
+        EXPECT_EQ(fault("protocol=v7,v7_device=0xDD,v7_down=0x40+" + id),
+                  "'v7_down' must not contain " + id + ": a V7 device would take it for a measurement of its own sensor");
+    EXPECT_EQ(fault_of("udp-listen:127.0.0.1:0,protocol=v7"),
+              "'protocol' is not a key of udp-listen, but of serial, udp, tcp, pty");
+    EXPECT_EQ(
+        faults_in(R"({"links": [{"kind": "tcp", "address": "10.0.0.1:5", "protocol": "v7"}]})"),
+        "/links/0/v7_device: 'protocol' v7 needs 'v7_device', the id under which hosts see the device: 0xDC, 0xDD, 0xDB, 0xDE, "
+        "0xE6, or 1 to 199\n");
 }
 
 TEST(LinkText, a_full_width_separator_is_named) {

@@ -5,6 +5,7 @@
 
 #include <ano/messages.hpp>
 #include <gateway/counters.hpp>
+#include <gateway/v7_translation.hpp>
 
 #include <nlohmann/json.hpp>
 
@@ -154,20 +155,25 @@ const std::vector<std::string>& drop_causes(bool is_alone) {
     return is_alone ? alone : beside_others;
 }
 const std::vector<std::string>& counts_of_kinds() {
-    static const std::vector<std::string> names{"refused",
-                                                "kernel_drops",
-                                                "transfer_errors",
-                                                "wrong_source",
-                                                "error_frames",
-                                                "errors_tx_timeout",
-                                                "errors_lost_arbitration",
-                                                "errors_protocol",
-                                                "errors_transceiver",
-                                                "errors_no_ack",
-                                                "errors_bus",
-                                                "kept_back_of_hosts",
-                                                "kept_back_commands",
-                                                "kept_back_tunnels"};
+    static const std::vector<std::string> names = [] {
+        std::vector<std::string> all{"refused",
+                                     "kernel_drops",
+                                     "transfer_errors",
+                                     "wrong_source",
+                                     "error_frames",
+                                     "errors_tx_timeout",
+                                     "errors_lost_arbitration",
+                                     "errors_protocol",
+                                     "errors_transceiver",
+                                     "errors_no_ack",
+                                     "errors_bus",
+                                     "kept_back_of_hosts",
+                                     "kept_back_commands",
+                                     "kept_back_tunnels"};
+        const auto v7 = names_of(anogate::v7_counters, [](const auto& row) { return row.is_drop; });
+        all.insert(all.end(), v7.begin(), v7.end());
+        return all;
+    }();
     return names;
 }
 const std::vector<std::string>& causes_in() {

@@ -1,0 +1,131 @@
+#include <link/v7_edge.hpp>
+
+#include <config/link_kind.hpp>
+
+#include <algorithm>
+#include <cstring>
+#include <utility>
+
+namespace anogate {
+namespace {
+
+ano::v7::FrameParser::Options parser_options(const LinkSettings& link) {
+    return {std::min<std::size_t>(link.max_data, ano::v7::max_len), link.frame_gap.value_or(quiet_of(*link.kind))};
+}
+
+}    // namespace
+
+V7Edge::V7Edge(const V7LinkSettings& v7, const LinkSettings& link, const LinkContext& context, std::function<void()> write)
+    : context_{context},
+      write_{std::move(write)},
+      translation_{v7.translation()},
+      parser_{parser_options(link)},
+      alarm_{context.alarms, [this] { ring(); }} {}
+
+void V7Edge::to_device(ano::v7::FrameView frame) { unsent_.insert(unsent_.end(), frame.bytes().begin(), frame.bytes().end()); }
+
+void V7Edge::from_device(ano::FrameView frame) {
+    received_.insert(received_.end(), frame.bytes().begin(), frame.bytes().end());
+    ++frames_;
+}
+
+void V7Edge::translate_received() {
+    const TimePoint now = context_.host.now();
+    while (const auto frame = parser_.next()) translation_.up(*frame, now, *this);
+}
+
+// The gateway may send on this link meanwhile, which fills received_ again.
+void V7Edge::pass_on() {
+    const ano::v7::ParserCounters& c = parser_.counters();
+    ReceiveCounters& counters = channel_->beside;
+    counters.frames_in = frames_;
+    counters.bytes_in = c.bytes_in;
+    counters.bad_check = c.bad_check;
+    counters.bad_length = c.bad_length;
+    counters.skipped_bytes = c.skipped_bytes;
+    counters.expired = c.expired;
+    passed_on_.swap(received_);
+    for (std::span<const std::uint8_t> rest{passed_on_}; !rest.empty();) {
+        const ano::FrameView frame = *ano::frame_at(rest);
+        context_.host.receive(*channel_, frame);
+        rest = rest.subspan(frame.bytes().size());
+    }
+    passed_on_.clear();
+}
+
+void V7Edge::deliver() {
+    translate_received();
+    pass_on();
+    set_alarm();
+}
+
+void V7Edge::receive_datagram(std::span<const std::uint8_t> datagram, TimePoint now) {
+    parser_.begin_datagram(datagram, now);
+    translate_received();
+    while (!datagram.empty()) {
+        const auto room = parser_.prepare();
+        const std::size_t n = std::min(room.size(), datagram.size());
+        std::memcpy(room.data(), datagram.data(), n);
+        parser_.commit(n, now);
+        datagram = datagram.subspan(n);
+        translate_received();
+    }
+    pass_on();
+    set_alarm();
+}
+
+void V7Edge::end_of_input() {
+    parser_.finish();
+    translate_received();
+    pass_on();
+    reset();
+}
+
+void V7Edge::reset() noexcept {
+    alarm_.cancel();
+    parser_.finish();
+    while (parser_.next()) {}
+    translation_.reset();
+    unsent_.clear();
+    received_.clear();
+}
+
+void V7Edge::take(Outbox& outbox, ano::FrameView frame, TimePoint now) {
+    const std::uint64_t before = translation_.dropped();
+    translation_.down(frame, now, *this);
+    if (translation_.dropped() == before) outbox.sent_frame();
+    else outbox.drop_frame(&SendCounters::denied_out);
+    set_alarm();
+}
+
+std::span<const std::uint8_t> V7Edge::first_unsent() const noexcept {
+    return unsent_.empty() ? std::span<const std::uint8_t>{} : std::span{unsent_}.first(ano::v7::overhead + unsent_[3]);
+}
+
+void V7Edge::set_alarm() {
+    if (!received_.empty()) return alarm_.set(context_.host.now());
+    const auto parser = parser_.deadline(), translation = translation_.deadline();
+    if (parser && translation) alarm_.set(std::min(*parser, *translation));
+    else if (parser || translation) alarm_.set(parser ? *parser : *translation);
+    else alarm_.cancel();
+}
+
+void V7Edge::ring() {
+    const TimePoint now = context_.host.now();
+    channel_->arrived_at = now;
+    parser_.expire(now);
+    translate_received();
+    if (const auto due = translation_.deadline(); due && *due <= now) translation_.expire(now, *this);
+    pass_on();
+    set_alarm();
+    context_.host.flush();
+    write_();
+}
+
+void V7Edge::add_facts(LinkFacts& facts) const {
+    facts.push_back({"protocol", "v7"});
+    for (const V7CounterRow& row : v7_counters)
+        facts.push_back({row.name, static_cast<std::int64_t>(translation_.counters().*row.value)});
+}
+
+}    // namespace anogate

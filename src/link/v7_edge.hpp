@@ -1,0 +1,72 @@
+// The edge of a link whose devices use V7: V7 frames on the wire, V8 frames towards the gateway.
+//
+// In:     prepare(), read into it, commit(), deliver(); or receive_datagram()
+// Out:    take(outbox, its first frame, now), then write unsent() and remove it by written()
+#pragma once
+#include <gateway/channel.hpp>
+#include <link/link.hpp>
+#include <link/link_context.hpp>
+#include <link/v7_settings.hpp>
+#include <sys/alarm.hpp>
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+namespace anogate {
+
+class V7Edge final : private V7Output {
+public:
+    /// `write` is called when unsent() has bytes that no take() made: a repeated request, or the next one that waited.
+    V7Edge(const V7LinkSettings& v7, const LinkSettings& link, const LinkContext& context, std::function<void()> write);
+
+    /// A connection begins; its frames belong to `channel`.
+    void begin(Channel& channel) noexcept {
+        channel_ = &channel;
+        reset();
+    }
+
+    std::span<std::uint8_t> prepare() noexcept { return parser_.prepare(); }
+    void commit(std::size_t n, TimePoint now) noexcept { parser_.commit(n, now); }
+    /// Translates the complete frames and passes them on. The caller then calls LinkHost::flush() and writes unsent().
+    void deliver();
+    void receive_datagram(std::span<const std::uint8_t> datagram, TimePoint now);
+    /// The connection is lost: passes on the last frames and forgets everything that belongs to it.
+    void end_of_input();
+    /// Nothing happens until end_of_input() or begin().
+    void pause() noexcept { alarm_.cancel(); }
+
+    /// Translates the first frame of `outbox`, which gather() returned, and removes it: as sent, or as denied_out if the translation
+    /// dropped it. Answers of the gateway are passed on later: a link that is flushed must not receive.
+    void take(Outbox& outbox, ano::FrameView frame, TimePoint now);
+    /// Whole V7 frames, to be written before the next frame is taken.
+    std::span<const std::uint8_t> unsent() const noexcept { return unsent_; }
+    /// The first of them.
+    std::span<const std::uint8_t> first_unsent() const noexcept;
+    void written(std::size_t bytes) { unsent_.erase(unsent_.begin(), unsent_.begin() + static_cast<std::ptrdiff_t>(bytes)); }
+
+    void add_facts(LinkFacts& facts) const;
+
+private:
+    void to_device(ano::v7::FrameView frame) override;
+    void from_device(ano::FrameView frame) override;
+    void translate_received();
+    void pass_on();
+    void set_alarm();
+    void ring();
+    void reset() noexcept;
+
+    LinkContext context_;
+    std::function<void()> write_;
+    V7Translation translation_;
+    ano::v7::FrameParser parser_;
+    Channel* channel_ = nullptr;
+    Alarm alarm_;
+    std::vector<std::uint8_t> unsent_;
+    std::vector<std::uint8_t> received_;     // V8 frames that are not passed on yet
+    std::vector<std::uint8_t> passed_on_;    // those that are being passed on
+    std::uint64_t frames_ = 0;               // V8 frames passed on
+};
+
+}    // namespace anogate

@@ -1,0 +1,51 @@
+#include <config/values.hpp>
+#include <link/v7_keys.hpp>
+
+namespace anogate {
+namespace {
+
+constexpr std::string_view devices = "0xDC, 0xDD, 0xDB, 0xDE, 0xE6, or 1 to 199";
+
+}    // namespace
+
+namespace key_rows {
+
+std::string fault_of_v7_device(std::uint64_t device) {
+    const std::string text = address_text(static_cast<std::uint8_t>(device));
+    return parse_v7_source("0x51:" + text) ? std::string{} : "'v7_device' must be " + std::string{devices} + ", not " + text;
+}
+
+std::string fault_of_v7_sources(const std::vector<std::string>& sources) {
+    for (const std::string& source : sources)
+        if (!parse_v7_source(source))
+            return "'v7_sources' must be ID:DEVICE such as 0x51:0xDE or 0xF1-0xFA:0xDB, with a device of " +
+                   std::string{devices} + ", not '" + source + "'";
+    return {};
+}
+
+std::string fault_of_v7_acceleration(const std::string& text) {
+    return parse_v7_acceleration(text)
+               ? std::string{}
+               : "'v7_acc' must be lx, flow, cmss, keep or a number above 0 such as 2048, not '" + text + "'";
+}
+
+std::string fault_of_v7_down(const std::vector<ByteRange>& ids) {
+    for (const ByteRange& range : ids)
+        for (unsigned id = range.first; id <= range.last; ++id)
+            if (V7Translation::is_of_own_sensor(static_cast<std::uint8_t>(id)))
+                return "'v7_down' must not contain " + address_text(static_cast<std::uint8_t>(id)) +
+                       ": a V7 device would take it for a measurement of its own sensor";
+    return {};
+}
+
+}    // namespace key_rows
+
+void check_v7(const V7LinkSettings& v7, LinkFaults& faults) {
+    if (!faults.is_whole()) return;
+    if (v7.is_on() && v7.device == 0)
+        faults.error("v7_device",
+                     "'protocol' v7 needs 'v7_device', the id under which hosts see the device: " + std::string{devices});
+    if (!v7.is_on() && v7 != V7LinkSettings{}) faults.error("protocol", "the keys v7_... have no effect without 'protocol' v7");
+}
+
+}    // namespace anogate

@@ -1,0 +1,42 @@
+// The keys of a link whose devices use the previous protocol version, V7 (config/README.md).
+#pragma once
+#include <gateway/filter.hpp>
+#include <gateway/v7_translation.hpp>
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace anogate {
+
+enum class LinkProtocol : std::uint8_t { v8, v7 };
+/// The parameters that hosts see; `none`: they read and write them by number.
+enum class V7Table : std::uint8_t { none, lx, tkz };
+
+struct V7LinkSettings {
+    LinkProtocol protocol = LinkProtocol::v8;
+    std::uint8_t device = 0;    // the V8 id of the device; 0: not set
+    std::vector<std::string> sources;
+    std::optional<std::uint8_t> address;    // D_ADDR of frames to the device
+    std::string acc;                        // lx, flow, cmss, keep or a number; empty: after `device`
+    std::uint16_t temp = 100;
+    std::optional<V7Range> range;
+    V7Layout layout = V7Layout::v8;
+    std::vector<ByteRange> down;    // empty: V7Settings::default_down()
+    V7Ack ack = V7Ack::device;
+    std::uint8_t repeat = 3;
+    V7Table params = V7Table::none;
+    std::uint8_t max = 44;
+    bool operator==(const V7LinkSettings&) const = default;
+
+    bool is_on() const noexcept { return protocol == LinkProtocol::v7; }
+    V7Settings translation() const;
+};
+
+/// "0x51:0xDE", or "0xF1-0xFA:0xDB"; std::nullopt: neither.
+std::optional<V7Source> parse_v7_source(std::string_view text);
+/// A number above 0, or lx, flow, cmss, keep.
+std::optional<V7Acceleration> parse_v7_acceleration(std::string_view text);
+
+}    // namespace anogate

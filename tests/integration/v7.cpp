@@ -1,0 +1,283 @@
+// Links with protocol=v7: a scripted device with the previous protocol version, and a V8 host with UDP.
+#include <support/pty_device.hpp>
+#include <support/running_gateway.hpp>
+#include <support/tcp_peer.hpp>
+#include <support/temp_dir.hpp>
+#include <support/udp_peer.hpp>
+#include <support/v7_vectors.hpp>
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <utility>
+
+namespace v7_link_tests {
+namespace {
+
+using namespace std::chrono_literals;
+using namespace support;
+using Frames = std::vector<Bytes>;
+
+constexpr std::uint8_t host = 0xFE, imu = 0xDD;
+const std::string v7_keys = ",name=fc,protocol=v7,v7_device=0xDD,v7_params=lx";
+
+/// The V7 frames at the beginning of `bytes`, which must consist of whole frames.
+Frames v7_frames(std::span<const std::uint8_t> bytes) {
+    Frames all;
+    while (const auto frame = ano::v7::frame_at(bytes)) {
+        all.emplace_back(frame->bytes().begin(), frame->bytes().end());
+        bytes = bytes.subspan(frame->bytes().size());
+    }
+    EXPECT_TRUE(bytes.empty()) << "outside of frames";
+    return all;
+}
+
+/// The device's end of one kind of link.
+class Wire {
+public:
+    virtual ~Wire() = default;
+    virtual std::string link() const = 0;
+    virtual void connect(RunningGateway&) {}
+    virtual void write(const Bytes& bytes) = 0;
+    virtual Bytes read() = 0;
+};
+
+class SerialWire final : public Wire {
+public:
+    std::string link() const override { return "serial:" + device.path() + ",pace=off"; }
+    void write(const Bytes& bytes) override { device.write(bytes); }
+    Bytes read() override { return device.read(); }
+
+    TempDir dir;
+    PtyDevice device{dir / "fc"};
+};
+
+class PtyWire final : public Wire {
+public:
+    std::string link() const override { return "pty:" + (dir / "fc"); }
+    void connect(RunningGateway& gateway) override {
+        EXPECT_TRUE(gateway.until([&] { return std::filesystem::exists(dir / "fc"); }));
+        user = std::make_unique<PortUser>(dir / "fc");
+    }
+    void write(const Bytes& bytes) override { user->write(bytes); }
+    Bytes read() override {
+        const Bytes& all = user->heard();
+        return {all.begin() + static_cast<std::ptrdiff_t>(std::exchange(seen, all.size())), all.end()};
+    }
+
+    TempDir dir;
+    std::unique_ptr<PortUser> user;
+    std::size_t seen = 0;
+};
+
+class UdpWire final : public Wire {
+public:
+    std::string link() const override { return "udp:" + peer.local().text() + ",bind=127.0.0.1:0"; }
+    void connect(RunningGateway& gateway) override { port = gateway.port("fc"); }
+    void write(const Bytes& bytes) override { peer.send(port, bytes); }
+    Bytes read() override {
+        Bytes all;
+        for (const Bytes& datagram : peer.datagrams()) {
+            EXPECT_EQ(v7_frames(datagram).size(), 1u);
+            all = std::move(all) + datagram;
+        }
+        return all;
+    }
+
+    mutable UdpPeer peer;
+    std::uint16_t port = 0;
+};
+
+class TcpWire final : public Wire {
+public:
+    std::string link() const override { return "tcp:" + listener.address(); }
+    void connect(RunningGateway& gateway) override {
+        EXPECT_TRUE(gateway.until([&] { return listener.accept(peer); }));
+    }
+    void write(const Bytes& bytes) override { peer.send(bytes); }
+    Bytes read() override {
+        const Bytes& all = peer.heard();
+        return {all.begin() + static_cast<std::ptrdiff_t>(std::exchange(seen, all.size())), all.end()};
+    }
+
+    TcpListener listener;
+    TcpPeer peer;
+    std::size_t seen = 0;
+};
+
+/// A host, the gateway and a device.
+class Line {
+public:
+    explicit Line(Wire& wire, const std::string& keys = v7_keys) : wire_{wire} {
+        gateway = std::make_unique<RunningGateway>(settings_of_texts({wire.link() + keys, ground.link("ground")}));
+        wire.connect(*gateway);
+        EXPECT_TRUE(gateway->until_up("fc") && gateway->until_up("ground"));
+    }
+
+    bool until(const std::function<bool()>& holds) { return gateway->until(holds); }
+    void ask(const Bytes& frame) { EXPECT_TRUE(ground.send(gateway->port("ground"), frame)); }
+    /// What the device received since the last call, at least one frame.
+    Frames device_got() {
+        Bytes all;
+        EXPECT_TRUE(until([&] {
+            all = std::move(all) + wire_.read();
+            return !all.empty();
+        }));
+        return v7_frames(all);
+    }
+    /// The same for the host.
+    Frames host_got(std::size_t count = 1) {
+        Frames all;
+        EXPECT_TRUE(until([&] {
+            for (Bytes& frame : ground.frames()) all.push_back(std::move(frame));
+            return all.size() >= count;
+        }));
+        return all;
+    }
+    void device_acknowledges(const Bytes& v7) {
+        const std::size_t end = v7.size();
+        wire_.write(v7_frame(0xAF, 0x00, {v7[2], v7[end - 2], v7[end - 1]}));
+    }
+    std::int64_t count(const std::string& name) { return gateway->link("fc").at(name); }
+    /// Nothing is sent to the device meanwhile, and nothing to the host.
+    void expect_silence() {
+        gateway->run_for(700ms);
+        EXPECT_EQ(wire_.read(), Bytes{});
+        EXPECT_EQ(ground.frames(), Frames{});
+    }
+
+    UdpPeer ground;
+    std::unique_ptr<RunningGateway> gateway;
+
+private:
+    Wire& wire_;
+};
+
+Bytes acknowledged(std::uint8_t source, const Bytes& request) {
+    const std::size_t end = request.size();
+    return frame(source, host, 0x00, {request[3], request[end - 2], request[end - 1]});
+}
+
+template <class Kind>
+class V7Link : public testing::Test {
+protected:
+    Kind wire;
+};
+using Kinds = testing::Types<SerialWire, PtyWire, UdpWire, TcpWire>;
+TYPED_TEST_SUITE(V7Link, Kinds);
+
+const Bytes attitude{1, 0, 2, 0, 3, 0, 1};
+
+TYPED_TEST(V7Link, telemetry_arrives_as_v8_also_between_garbage) {
+    Line line{this->wire};
+    Bytes damaged = v7_frame(0xFF, 0x03, attitude);
+    damaged[5] ^= 1;
+    this->wire.write(hex("00 AA 17 AA") + v7_frame(0xFF, 0x03, attitude) + damaged + hex("55 AB") +
+                     v7_frame(0xAF, 0x32, {10, 0, 0, 0, 20, 0, 0, 0, 30, 0, 0, 0}) + v7_frame(0xFF, 0x7A, {1}));
+    EXPECT_EQ(line.host_got(3),
+              (Frames{frame(imu, 0xFF, 0x03, attitude), frame(imu, host, 0x32, {100, 0, 0, 0, 200, 0, 0, 0, 44, 1, 0, 0}),
+                      frame(imu, 0xFF, 0x7A, {1})}));
+    EXPECT_EQ(line.gateway->count("fc", "frames_in"), 3u);
+    EXPECT_GE(line.gateway->count("fc", "bad_check"), 1u);
+    EXPECT_GT(line.gateway->count("fc", "skipped_bytes"), 0u);
+    EXPECT_EQ(line.gateway->link("fc").at("protocol"), "v7");
+    EXPECT_TRUE(line.gateway->counters_add_up());
+}
+
+TYPED_TEST(V7Link, a_command_reaches_the_device_once_and_its_acknowledgement_returns) {
+    Line line{this->wire};
+    const Bytes command = frame(host, imu, 0xC0, {0x10, 0, 1});
+    const Bytes sent = v7_frame(0xFF, 0xE0, {0x10, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0});
+    line.ask(command);
+    EXPECT_EQ(line.device_got(), Frames{sent});
+    line.device_acknowledges(sent);
+    EXPECT_EQ(line.host_got(), Frames{acknowledged(imu, command)});
+    line.expect_silence();
+    line.device_acknowledges(sent);
+    EXPECT_TRUE(line.until([&] { return line.count("v7_up_unmatched") == 1; }));
+    line.ask(command);
+    EXPECT_EQ(line.device_got(), Frames{sent}) << "as often as the host sends it";
+}
+
+TYPED_TEST(V7Link, parameters_are_described_read_and_written) {
+    Line line{this->wire};
+    line.ask(frame(host, imu, 0xE0, {1, 0, 0}));
+    EXPECT_EQ(line.host_got(), Frames{frame(imu, host, 0xE0, {1, 62, 0})});
+    line.ask(frame(host, imu, 0xE0, {2, 4, 0}));
+    EXPECT_EQ(line.device_got(), Frames{v7_frame(0x60, 0xE1, {151, 0})});
+    this->wire.write(v7_frame(0xAF, 0xE2, {151, 0, 20, 0, 0, 0}));
+    EXPECT_EQ(line.host_got(), Frames{frame(imu, host, 0xE1, {4, 0, 20, 0, 0, 0})});
+    const Bytes write = frame(host, imu, 0xE1, {4, 0, 30, 0, 0, 0});
+    line.ask(write);
+    const Bytes written = v7_frame(0x60, 0xE2, {151, 0, 30, 0, 0, 0});
+    EXPECT_EQ(line.device_got(), Frames{written});
+    line.device_acknowledges(written);
+    EXPECT_EQ(line.host_got(), Frames{acknowledged(imu, write)});
+    line.expect_silence();
+}
+
+TYPED_TEST(V7Link, an_unanswered_question_is_repeated_three_times_in_all) {
+    Line line{this->wire};
+    line.ask(frame(host, imu, 0xE0, {2, 4, 0}));
+    Frames all;
+    for (int i = 0; i < 3; ++i)
+        for (Bytes& one : line.device_got()) all.push_back(std::move(one));
+    EXPECT_EQ(all, Frames(3, v7_frame(0x60, 0xE1, {151, 0})));
+    EXPECT_TRUE(line.until([&] { return line.count("v7_unanswered") == 1; }));
+    line.expect_silence();
+}
+
+TYPED_TEST(V7Link, nothing_that_the_device_would_take_for_its_own_measurement_is_sent_nor_the_command_that_erases_it) {
+    Line line{this->wire};
+    std::vector<std::uint8_t> ids{0x20, 0x21};
+    for (std::uint8_t id = 1; id <= 0x0F; ++id) ids.push_back(id);
+    for (const std::uint8_t id : ids)
+        for (const std::uint8_t to : {imu, std::uint8_t{0xFF}}) line.ask(frame(host, to, id, Bytes(13)));
+    line.ask(frame(host, imu, 0xC0, {0x01, 0x20, 0xAA}));
+    line.ask(frame(host, 0xFF, 0xC0, {0x01, 0x20, 0xAA, 0, 0, 0, 0, 0, 0, 0, 0}));
+    EXPECT_TRUE(line.until([&] { return line.count("v7_down_own_sensor") == 34 && line.count("v7_down_erase") == 2; }));
+    EXPECT_EQ(line.gateway->count("fc", "denied_out"), 36u);
+    EXPECT_EQ(line.gateway->count("fc", "frames_out"), 0u);
+    line.ask(frame(host, imu, 0xC0, {0x10, 0, 2}));
+    EXPECT_EQ(line.device_got(), Frames{v7_frame(0xFF, 0xE0, {0x10, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0})});
+    EXPECT_TRUE(line.gateway->counters_add_up());
+}
+
+TYPED_TEST(V7Link, the_gateway_acknowledges_for_a_device_that_never_does) {
+    Line line{this->wire, v7_keys + ",v7_ack=sent"};
+    const Bytes command = frame(host, imu, 0xC0, {0x10, 0, 1});
+    line.ask(command);
+    EXPECT_EQ(line.device_got().size(), 1u);
+    EXPECT_EQ(line.host_got(), Frames{acknowledged(imu, command)});
+}
+
+TEST(V7Links, a_device_plugged_in_again_has_no_requests_of_before) {
+    SerialWire wire;
+    Line line{wire};
+    const Bytes command = frame(host, imu, 0xC0, {0x10, 0, 1});
+    const Bytes sent = v7_frame(0xFF, 0xE0, {0x10, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0});
+    line.ask(command);
+    EXPECT_EQ(line.device_got(), Frames{sent});
+    for (std::uint8_t i = 4; i < 8; ++i) line.ask(frame(host, imu, 0xE0, {2, i, 0}));
+    EXPECT_EQ(line.device_got(), Frames{v7_frame(0x60, 0xE1, {151, 0})}) << "the others wait";
+    const Bytes telemetry = v7_frame(0xFF, 0x03, attitude);
+    wire.write({telemetry.begin(), telemetry.begin() + 6});
+    EXPECT_TRUE(line.until([&] { return line.gateway->count("fc", "bytes_in") == 6; }));
+    wire.device.unplug();
+    EXPECT_TRUE(line.gateway->until_waiting("fc"));
+    wire.device.plug();
+    EXPECT_TRUE(line.gateway->until_up("fc"));
+    wire.write({telemetry.begin() + 6, telemetry.end()});
+    line.device_acknowledges(sent);
+    EXPECT_TRUE(line.until([&] { return line.count("v7_up_unmatched") == 1; }));
+    line.expect_silence();
+    line.ask(frame(host, imu, 0xE0, {2, 5, 0}));
+    EXPECT_EQ(line.device_got(), Frames{v7_frame(0x60, 0xE1, {152, 0})});
+    wire.write(telemetry);
+    EXPECT_EQ(line.host_got(), Frames{frame(imu, 0xFF, 0x03, attitude)});
+}
+
+}    // namespace
+}    // namespace v7_link_tests
