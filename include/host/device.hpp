@@ -171,7 +171,8 @@ public:
     Identity identity() const noexcept { return identity_; }
     /// Whether it was identified since the last of its doubts().
     bool is_identified() const noexcept { return doubts_ == identified_doubts_; }
-    /// Its device info differs from answer to answer without any sign between, so it does not show which device it is: requests
+    /// Its device info differs from answer to answer without any sign between, once if the second answer was asked for because the
+    /// first one differed, otherwise twice in a row. So it does not show which device it is: requests
     /// are sent as to a device whose info was never received, without a question. info() stays the same meanwhile.
     bool has_varying_info() const noexcept { return unlike_ >= varies_from; }
     /// So many differences in a row, and one less for each info that equals the one before.
@@ -250,6 +251,7 @@ private:
     void hear_info(DeviceInfo info, bool is_announced, TimePoint now);
     void forget_data() noexcept;
     void recognise(const DeviceInfo& info, bool varies, TimePoint now);
+    void release_held();
     void not_identified(const Ended& ended, TimePoint now);
     void not_acknowledged(const Exchange& exchange) noexcept;
     bool is_another(const Exchange& exchange) const noexcept;
@@ -303,6 +305,7 @@ private:
     std::optional<DeviceInfo> known_as_;    // the last device info, also while it is away
     std::optional<Hardware> hardware_;      // as last reported: a loader may report zeros
     Identity identity_;
+    std::optional<Identity> before_difference_;    // before its info differed after a sign, until the second answer
     TimePoint identified_at_{};
     std::uint32_t missed_ = 0;    // those of doubts_ that are acknowledgements of writes
     std::uint32_t identified_signs_ = 0;

@@ -113,20 +113,26 @@ void Device::forget_data() noexcept {
 }
 
 // If it is announced or has changed, the device restarted, and may have other parameters and commands. If it has changed after a
-// sign, the answer to a second question shows whether it varies.
+// sign, the answer to a second question shows whether it varies: what waits for it waits for that answer too.
 void Device::hear_info(DeviceInfo info, bool is_announced, TimePoint now) {
     const bool varied = has_varying_info();
     const bool has_sign = is_announced || !is_identified() || is_unacknowledged_;
     const bool differs = info_ && *known_as_ != info;
     const bool asks_again = differs && has_sign && !varied && identifies_;
+    const auto before = std::exchange(before_difference_, asks_again ? std::optional{identity_} : std::nullopt);
+    const bool differs_again = differs && !has_sign && before;
+    if (differs_again) identity_ = *before;
     if (!differs) unlike_ = std::max(unlike_ - 1, 0);
+    else if (differs_again) unlike_ = std::max(unlike_, varies_from);
     else unlike_ = varied || !has_sign ? std::min(unlike_ + 1, most_unlike) : 0;
-    const bool varies = varied && has_varying_info();
+    const bool varies = (varied || differs_again) && has_varying_info();
     if (is_announced) ++announcements_;
     if (is_announced || (info_ && *info_ != info && !varies)) forget_data();
+    const bool for_command = identifies_for_command_;
     recognise(info, varies, now);
     if (!varies || !info_) info_ = std::move(info);
-    if (asks_again) identify(false);
+    if (asks_again) return identify(for_command);
+    release_held();
 }
 
 void Device::recognise(const DeviceInfo& info, bool varies, TimePoint now) {
@@ -141,6 +147,9 @@ void Device::recognise(const DeviceInfo& info, bool varies, TimePoint now) {
     identified_doubts_ = doubts_;
     identified_signs_ = signs();
     is_unacknowledged_ = identifies_ = false;
+}
+
+void Device::release_held() {
     while (Exchange* const one = held()) one->release(false);
 }
 
@@ -209,6 +218,8 @@ void Device::identify_for_command(TimePoint now) {
 
 void Device::not_identified(const Ended& ended, TimePoint now) {
     if (!std::exchange(identifies_, false)) return;    // a frame of it was received
+    if (std::exchange(before_difference_, std::nullopt))
+        return release_held();    // it did answer the first time: it is another one
     unanswered_doubts_ = doubts_;
     unanswered_at_ = now;
     while (Exchange* const one = held()) go_unidentified(*one, ended, now);

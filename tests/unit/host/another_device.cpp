@@ -478,6 +478,66 @@ TEST_F(Varying, device_info_that_becomes_constant_shows_another_device_again) {
     EXPECT_EQ(acts, 1u);
 }
 
+TEST_F(Swapped, a_device_whose_info_varies_gets_a_command_after_each_sign) {
+    is_one = false;
+    before = [this](FrameView frame) -> std::optional<std::vector<Bytes>> {
+        if (is_question_for_info(frame)) ++fake.version;
+        if (frame.id() == 0xC0) acted.emplace_back(frame.bytes().begin(), frame.bytes().end());
+        return std::nullopt;
+    };
+    for (std::size_t i = 1; i <= 4; ++i) {
+        CommandCall land{device, {0, {16, 0, 2}, {}, false, "LAND"}, {}, false};
+        device.link_was_down();
+        run(land);
+        EXPECT_EQ(land.end()->ending, Ending::done) << i << land.end()->what;
+        EXPECT_EQ(acted.size(), i);
+        ParameterAction save{device, Action::save};
+        device.link_was_down();
+        run(save);
+        EXPECT_EQ(save.end()->ending, Ending::done) << i << save.end()->what;
+    }
+}
+
+// The first answer differs, and the second one is lost.
+TEST_F(Swapped, another_device_that_answers_once_gets_no_command) {
+    is_one = false;
+    CommandCall land{device, {0, {16, 0, 2}, {}, false, "LAND"}, {}, false};
+    device.link_was_down();
+    fake.name = "OTHER";
+    before = [this](FrameView frame) -> std::optional<std::vector<Bytes>> {
+        if (is_question_for_info(frame) && questions++ > 0) return std::vector<Bytes>{};
+        if (frame.id() == 0xC0) acted.emplace_back(frame.bytes().begin(), frame.bytes().end());
+        return std::nullopt;
+    };
+    run(land);
+    EXPECT_TRUE(land.is_of_another());
+    EXPECT_EQ(acted, std::vector<Bytes>{});
+}
+
+TEST_F(Swapped, a_device_that_does_not_answer_the_info_request_gets_a_command_after_half_a_second) {
+    is_one = false;
+    std::optional<TimePoint> sent_at;
+    before = [&](FrameView frame) -> std::optional<std::vector<Bytes>> {
+        if (is_question_for_info(frame)) return ++questions, std::vector<Bytes>{};
+        if (frame.id() == 0xC0 && !sent_at) sent_at = simulation.now;
+        return std::nullopt;
+    };
+    for (const bool is_by_cid : {false, true}) {
+        SCOPED_TRACE(is_by_cid);
+        simulation.pass(5s);
+        device.link_was_down();
+        questions = 0;
+        sent_at.reset();
+        const TimePoint asked_at = simulation.now;
+        CommandCall land{device, {0, {16, 0, 2}, {}, false, is_by_cid ? "" : "LAND"}, {}, false};
+        if (is_by_cid) land.mean_present_device();
+        run(land);
+        ASSERT_TRUE(sent_at);
+        EXPECT_LE(*sent_at - asked_at, 600ms);
+        EXPECT_LE(questions, Device::sends_before_command);
+    }
+}
+
 TEST(AnotherDevice, is_meant_by_one_device_info_that_differs) {
     FakeDevice fake;
     fake.make_parameters(3);
