@@ -277,7 +277,8 @@ public:
         switch (phase()) {
         case Phase::read: return "reading the old values";
         case Phase::keep:
-            return is_waiting() ? "the old values are saved; continue when the device may be turned" : "saving the old values";
+            return is_waiting() ? "The old values are saved. Continue when you are ready to turn the device"
+                                : "saving the old values";
         case Phase::clear: return after_restart("clearing the calibration of the device");
         case Phase::turn:
             return after_restart(sensor_ == Sensor::accelerometer ? "lay it on each of its six faces" : "turn it to all sides");
@@ -285,10 +286,11 @@ public:
         case Phase::keep_new: return "saving the new values";
         case Phase::write: return "writing the new values";
         case Phase::verify:
-            if (const auto face = calibration_->face_to_verify())
-                return (calibration_->is_further_face() ? "checking the new values: lay it still on "
-                                                        : "checking the new values: leave it still on ") +
-                       std::string{ano::host::name_of(*face)};
+            if (const auto face = calibration_->face_to_verify()) {
+                const std::string name{ano::host::name_of(*face)};
+                return calibration_->is_further_face() ? "checking the new values: lay it on " + name + " and keep it still"
+                                                       : "checking the new values: keep it still on " + name;
+            }
             return "checking the new values: keep turning it";
         case Phase::prove:
             return std::string{"the device does not show whether it was cleared, so the new values are checked on all sides: "} +

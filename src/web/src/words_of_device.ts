@@ -18,7 +18,7 @@ const messages: Record<string, string> = {
   "checking that it is not flying": "正在确认它没有飞行",
   "reading the old values": "正在读取旧值",
   "saving the old values": "正在保存旧值",
-  "the old values are saved; continue when the device may be turned": "旧值已保存；可以转动设备时请继续",
+  "The old values are saved. Continue when you are ready to turn the device": "旧值已保存。准备好转动设备后请继续",
   "clearing the calibration of the device": "正在清除设备的旧校准值",
   "lay it on each of its six faces": "把设备的六个面依次朝上静置",
   "turn it to all sides": "把设备转向各个方向",
@@ -115,9 +115,9 @@ export function messageInChinese(message: string): string {
   if (whole !== undefined) return whole;
   const restarted = /^the device restarted \(.+\), so all samples are discarded: (.+)$/.exec(message);
   if (restarted) return `设备重启过，之前的采样全部作废：${messageInChinese(restarted[1] ?? "")}`;
-  const onFace = /^checking the new values: leave it still on (..)$/.exec(message);
+  const onFace = /^checking the new values: keep it still on (..)$/.exec(message);
   if (onFace) return `正在验证新值：请保持 ${onFace[1]} 朝上不动`;
-  const onOther = /^checking the new values: lay it still on (..)$/.exec(message);
+  const onOther = /^checking the new values: lay it on (..) and keep it still$/.exec(message);
   if (onOther) return `正在验证新值：请再让 ${onOther[1]} 朝上静置`;
   const known = messages[first];
   if (known !== undefined) return [known, ...rest.map((one) => one.replace(/^(\d+) s left$/, "还要 $1 秒").replace("KB/s", "KB/秒"))].join("，");

@@ -53,6 +53,9 @@ test("says in Chinese what the gateway says of jobs, and leaves what it does not
   assert.equal(messageInChinese("reading parameters"), "正在读取参数");
   assert.equal(messageInChinese("sending, 12.3 KB/s, 40 s left"), "正在发送固件，12.3 KB/秒，还要 40 秒");
   assert.equal(messageInChinese("calling LAND"), "正在执行 LAND");
+  assert.equal(messageInChinese("The old values are saved. Continue when you are ready to turn the device"), "旧值已保存。准备好转动设备后请继续");
+  assert.equal(messageInChinese("checking the new values: keep it still on -y"), "正在验证新值：请保持 -y 朝上不动");
+  assert.equal(messageInChinese("checking the new values: lay it on +z and keep it still"), "正在验证新值：请再让 +z 朝上静置");
   assert.equal(reasonInChinese("no answer to LAND: it may have been carried out"), "没有收到对 LAND 的确认：它可能已经执行了");
   assert.equal(reasonInChinese("0xDC is used by job 7 (firmware upgrade, by 192.168.1.5)"), "0xDC 正被任务 7（固件升级，来自 192.168.1.5）占用");
   assert.equal(reasonInChinese("0x1E is online, but did not answer the request for its number of commands, sent 5 times; it probably has none"), "0x1E 在线，但没有应答对 number of commands 的请求，已发送 5 次");

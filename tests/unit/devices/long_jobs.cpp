@@ -226,7 +226,7 @@ TEST_F(Calibrates, after_it_is_continued_and_the_device_lay_on_every_face) {
     EXPECT_EQ(step.at("done"), json::array({"+x"}));
     EXPECT_EQ(step.at("still"), 1.0);
     for (std::size_t face = 1; face < 6; ++face) lie(face);
-    ASSERT_TRUE(net.until([&] { return message() == "checking the new values: leave it still on -z"; }));
+    ASSERT_TRUE(net.until([&] { return message() == "checking the new values: keep it still on -z"; }));
     fall();
     lie(5, true);
     const json over = until_over(1);
