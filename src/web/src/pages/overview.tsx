@@ -7,6 +7,7 @@ import { faultsOf } from "../live/recordings";
 import { replayedDevices } from "../live/replayed";
 import { useStore } from "../live/store";
 import { rateText, shortNumber } from "../format";
+import { Hint } from "../parts/hint";
 import { Network } from "../parts/network";
 import { hashOf } from "../route";
 import { calmHints } from "../words_of_gateway";
@@ -42,7 +43,7 @@ function Troubles({ status }: { status: Status }) {
       <ul class="troubles">
         {all.map((one) => (
           <li key={one.who + one.text} class={one.bad ? "bad" : "warn"}>
-            <b>{one.page ? <a href={hashOf({ page: one.page, device: undefined })}>{one.who}</a> : one.who}</b> <span>{one.text}</span>
+            <b>{one.page ? <a href={hashOf({ page: one.page, device: undefined })}>{one.who}</a> : one.who}</b> <span><Hint text={one.text} /></span>
           </li>
         ))}
       </ul>

@@ -11,6 +11,7 @@ import { isHost } from "../protocol/table";
 import { useStore } from "../live/store";
 import { ageOf, lostDevices } from "../live/watch";
 import { DeviceText } from "./device_text";
+import { Hint } from "./hint";
 import { calmHints } from "../words_of_gateway";
 
 /** A line with an animated flow, faster at a higher rate; no animation without frames. */
@@ -98,7 +99,9 @@ function Branch({ link, routes }: { link: Link; routes: Route[] }) {
         <header>
           <i class="lamp" aria-hidden="true" />
           <h3>{link.name}</h3>
-          <span class="muted">{link.kind}{typeof where === "string" && where !== link.name ? <> · <code>{where}</code></> : null}{link.id ? ` · ${t("port_id", { id: link.id })}` : ""}</span>
+          <span class="muted">{link.kind}</span>
+          {typeof where === "string" && where !== link.name && <code class="muted">{where}</code>}
+          {link.id ? <span class="muted">{t("port_id", { id: link.id })}</span> : null}
           {!up && <span class="tag">{t("state_waiting")}</span>}
         </header>
         <dl class="flows">
@@ -107,7 +110,7 @@ function Branch({ link, routes }: { link: Link; routes: Route[] }) {
           <div class={(losing ?? 0) > 0.05 ? "warn" : ""}><dt>✕</dt><dd>{rateText(losing)}<small> {t("per_second")}</small></dd></div>
         </dl>
         {link.replayed && <p class="calm">{t("replayed")}</p>}
-        {calm && <p class="calm">{hintText(link.hint_id, link.hint, link.hint_args)}</p>}
+        {calm && <p class="calm"><Hint text={hintText(link.hint_id, link.hint, link.hint_args)} /></p>}
         <ul class="whos">{routes.map((route) => <Who key={route.address} route={route} />)}</ul>
         <Peers link={link} />
         <button class="plain more" aria-expanded={open} onClick={() => setOpen(!open)}>{t("counters")} <span aria-hidden="true">{open ? "▴" : "▾"}</span></button>

@@ -55,8 +55,8 @@ const keyOf = (row: MessageRow): string => `${row.id} ${row.layout ?? ""} ${row.
 export function SendForm({ of, onClose }: { of: MessageTable; onClose: () => void }) {
   const rows = of.rows.filter((row) => row.fields.every((field) => field.type !== "list" && field.type !== "frames"));
   const [key, setKey] = useState(keyOf(rows.find((row) => row.name === "parameter_command") ?? rows[0]!));
-  const [from, setFrom] = useState("254");
-  const [to, setTo] = useState("255");
+  const [from, setFrom] = useState("0xFE");
+  const [to, setTo] = useState("0xFF");
   const [values, setValues] = useState<Record<string, string>>({});
   const [outcome, setOutcome] = useState<{ words: string; bad: boolean }>();
   const [busy, setBusy] = useState(false);
@@ -80,6 +80,7 @@ export function SendForm({ of, onClose }: { of: MessageTable; onClose: () => voi
           <select id="send-message" value={key} onChange={(event) => { setKey(event.currentTarget.value); setValues({}); setOutcome(undefined); }}>
             {rows.map((one) => <option key={keyOf(one)} value={keyOf(one)}>{one.name}{one.layout ? ` · ${one.layout}` : ""}: {titleText(one.name, one.title)}</option>)}
           </select>
+          <small class="full muted">{titleText(row.name, row.title)}</small>
         </div>
         <div class="field"><label for="send-from">{t("from")}</label><input id="send-from" value={from} onInput={(event) => setFrom(event.currentTarget.value)} /></div>
         <div class="field"><label for="send-to">{t("to")}</label><input id="send-to" value={to} onInput={(event) => setTo(event.currentTarget.value)} /></div>

@@ -1,24 +1,26 @@
 // The layout of every page at every usual width.
 import assert from "node:assert/strict";
+import { join } from "node:path";
 import { test } from "node:test";
-import { go, shot, wider, world } from "./gateway.mjs";
+import { asked, confirm, go, outcome, press, shot, until, wider, world } from "./gateway.mjs";
+import { FlyingDevice } from "./hostile_device.mjs";
 
-const here = world();
+const here = world(undefined, (folder) => ({ record: { start: false, folder: join(folder, "recordings") } }));
 
 const pages = {
-  "overview": ".branch", "frames": ".rows li", "charts": ".uplot", "log": "h1", "images": "canvas.picture", "recordings": "h1 ~ *",
+  "overview": ".branch", "frames": ".rows li", "charts": ".uplot", "log": "h1", "images": "canvas.picture", "recordings": ".recordings li",
   "220/vehicle": ".figure dd small", "220/alarms": ".limits", "220/parameters": ".set li", "220/commands": ".command", "220/waypoints": ".waypoints tr",
   "220/calibration": "button.main", "220/firmware": ".file",
 };
-const widths = [360, 390, 768, 820, 960, 1024, 1280, 1440];
+const widths = [360, 390, 768, 820, 960, 1040, 1120, 1200, 1280, 1440];
 
 /** Words of labels, buttons, headings and links that are split over two lines. */
 const brokenWords = (page) => page.evaluate(() => {
   const found = [], range = document.createRange();
-  for (const element of document.querySelectorAll("label, button, nav a, h1, h2, h3, th, dt, .brand, .contact, .contact-of-device, .tag, legend, summary")) {
+  for (const element of document.querySelectorAll("label, button, nav a, h1, h2, h3, th, dt, .flows dd, .calm code, .recordings a, .recordings button, .brand, .contact, .contact-of-device, .tag, legend, summary")) {
     const walker = document.createTreeWalker(element, NodeFilter.SHOW_TEXT);
     for (let node = walker.nextNode(); node; node = walker.nextNode()) {
-      if (node.parentElement.closest("code, bdi, small") && !node.parentElement.closest("button, nav")) continue; // names of devices and addresses: of any length
+      if (node.parentElement.closest("code:not(.whole), bdi, small") && !node.parentElement.closest("button, nav")) continue; // names of devices and addresses: of any length
       for (const { 0: word, index } of node.data.matchAll(/[A-Za-z]{2,}/g)) {
         range.setStart(node, index);
         range.setEnd(node, index + word.length);
@@ -59,6 +61,34 @@ const hiddenFields = (page) => page.evaluate(async () => {
   return found;
 });
 
+/** Neighbours in the header that overlap, by their texts. */
+const overlapping = (page) => page.evaluate(() => {
+  const range = document.createRange(), parts = [];
+  const walker = document.createTreeWalker(document.querySelector(".top"), NodeFilter.SHOW_TEXT);
+  for (let node = walker.nextNode(); node; node = walker.nextNode()) {
+    range.selectNodeContents(node);
+    const rect = range.getBoundingClientRect(), frame = node.parentElement.closest("b, .of")?.getBoundingClientRect() ?? rect; // cut there, by CSS
+    if (rect.width > 0) parts.push({ words: node.data, left: rect.left, right: Math.min(rect.right, frame.right) });
+  }
+  for (const button of document.querySelectorAll(".top button")) {
+    const { left, right } = button.getBoundingClientRect();
+    if (button.querySelector("svg")) parts.push({ words: button.title, left, right });
+  }
+  parts.sort((a, b) => a.left - b.left);
+  return parts.slice(1).flatMap((part, i) => (parts[i].right > part.left + 1 ? [`${parts[i].words} | ${part.words}`] : []));
+});
+
+test("a recording for the list of recordings", async () => {
+  const page = await here.open({ hash: "#/recordings" });
+  await page.waitForSelector(".begin button");
+  await press(page, "Record");
+  await until("it is recorded", async () => (await asked(page, "recordings")).running[0]?.frames > 0);
+  await press(page, "Stop…");
+  await confirm(page);
+  await page.waitForSelector(".recordings button:enabled");
+  await page.browserContext().close();
+});
+
 for (const width of widths)
   test(`every page at ${width} px`, async () => {
     const page = await here.open({ width, height: width < 700 ? 780 : 900 });
@@ -70,6 +100,16 @@ for (const width of widths)
       await page.evaluate(() => scrollTo(0, document.documentElement.scrollHeight));
       await go(page, "#/" + name);
       await page.waitForSelector("main " + sign, { timeout: 30000 });
+      if (name === "frames") {
+        await press(page, "Send a frame");
+        const gap = await page.evaluate(() => document.querySelector(".rows").getBoundingClientRect().top - document.querySelector("form.send").getBoundingClientRect().bottom);
+        if (gap < 8) wrong.push(`the form for a frame is ${gap} px above the list`);
+        assert.deepEqual(await page.$$eval("#send-from, #send-to", (inputs) => inputs.map((input) => input.value)), ["0xFE", "0xFF"]);
+      }
+      if (name === "overview" && width >= 1280) {
+        const lines = await page.$$eval(".flows", (all) => Math.max(...all.map((one) => new Set([...one.children].map((part) => part.getBoundingClientRect().top)).size)));
+        if (lines > 1) wrong.push(`the rates of a link take ${lines} lines`);
+      }
       const at = await page.evaluate(() => scrollY);
       if (at !== 0) wrong.push(`${name} begins at ${at} px`);
       if (name === "220/vehicle") await page.waitForSelector(".pinned");
@@ -82,6 +122,29 @@ for (const width of widths)
       if (width === 960 || width === 360) await shot(page, `layout-${name.replace("/", "-")}-${width}`);
     }
     assert.deepEqual(wrong, []);
+    await page.browserContext().close();
+  });
+
+for (const language of ["en", "zh-CN"])
+  test(`nothing overlaps in the header of a phone while neither the device nor the gateway answers, ${language}`, async () => {
+    const page = await here.open({ language, width: 390, height: 844, hash: "#/57/vehicle" });
+    await page.waitForSelector(".top .sound");
+    const { port } = (await asked(page, "links")).find((link) => link.name === "ground");
+    const device = new FlyingDevice(port, { address: 57, name: "Kestrel" });
+    try {
+      await page.waitForSelector(".contact-of-device.live");
+      device.kill();
+      await page.waitForSelector(".contact-of-device.lost");
+      assert.deepEqual(await overlapping(page), []);
+      here.gateway.process.kill("SIGSTOP");
+      await outcome(page, ".contact.lost", /[5-9]|\d\d/);
+      await shot(page, `no-answer-390-${language}`);
+      assert.deepEqual(await overlapping(page), []);
+      assert.ok((await wider(page)) <= 0);
+    } finally {
+      here.gateway.process.kill("SIGCONT");
+      device.stop();
+    }
     await page.browserContext().close();
   });
 
