@@ -129,6 +129,7 @@ function Navigation({ all, device, replayed }: { all: number[]; device: number |
         <>
           <select
             aria-label={t("device")}
+            title={isEdited(edited, device) ? t("unsaved") : undefined}
             value={String(device)}
             onChange={(event) => {
               const chosen = Number(event.currentTarget.value), there = offered(chosen);
@@ -137,8 +138,8 @@ function Navigation({ all, device, replayed }: { all: number[]; device: number |
             }}
           >
             {all.map((address) => (
-              <option key={address} value={String(address)}>
-                {isEdited(edited, address) ? "• " : ""}{hexByte(address)} {isolated(nameOf(address))}{replayed.has(address) ? ` · ${t("replayed")}` : ""}{isEdited(edited, address) ? ` · ${t("unsaved")}` : ""}
+              <option key={address} value={String(address)} title={isEdited(edited, address) ? t("unsaved") : undefined}>
+                {isEdited(edited, address) ? "• " : ""}{hexByte(address)} {isolated(nameOf(address))}{replayed.has(address) ? ` · ${t("replayed")}` : ""}
               </option>
             ))}
           </select>
