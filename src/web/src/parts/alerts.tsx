@@ -25,7 +25,7 @@ export function limitWords(limit: Pick<Limit, "field" | "cells">): { label: stri
   const field = table.get()?.rows.filter((row) => row.name === messageOf(limit)).flatMap((row) => row.fields).find((one) => one.name === fieldOf(limit));
   const [factor, unit] = inPeoplesUnits(1, field?.unit ?? "");
   const label = known[limit.field]?.() ?? limit.field;
-  return { label: limit.cells ? t("per_cell", { label }) : label, unit, factor, digits: limit.cells || (field?.scale ?? 1) < 1 || factor !== 1 ? 2 : 0 };
+  return { label: !limit.cells ? label : limit.field === "power.voltage" ? t("limit_cell") : t("per_cell", { label }), unit, factor, digits: limit.cells || (field?.scale ?? 1) < 1 || factor !== 1 ? 2 : 0 };
 }
 
 function Line({ kind, children, device }: { kind: string; children: ComponentChildren; device?: number }) {

@@ -299,16 +299,16 @@ test("a value beyond its limit is amber, then red, on every page and for all who
     await other.mouse.click(5, 800);
     await withEars(other);
     device.voltage = 14.2; // 3.55 V a cell
-    await outcome(other, ".alerts li.amber", /battery per cell 3\.55 V below 3\.60 V/);
-    assert.match(await other.title(), /^⚠ .*battery per cell/);
+    await outcome(other, ".alerts li.amber", /Voltage per cell 3\.55 V below 3\.60 V/);
+    assert.match(await other.title(), /^⚠ .*Voltage per cell/);
     device.voltage = 13.2;
-    await outcome(other, ".alerts li.red", /battery per cell 3\.30 V below 3\.40 V/);
+    await outcome(other, ".alerts li.red", /Voltage per cell 3\.30 V below 3\.40 V/);
     await until("it sounds and shakes", () => other.evaluate(() => window.heard.tones > 0 && window.heard.shakes > 0));
     await page.waitForSelector(".limit.red");
     await shot(other, "alarm-red-390");
     await shot(page, "alarms-red");
     const late = await here.open({ hash: "#/overview" }); // opened after the value arrived: the gateway evaluates it, not the page
-    await outcome(late, ".alerts li.red", /battery per cell 3\.30 V below 3\.40 V/);
+    await outcome(late, ".alerts li.red", /Voltage per cell 3\.30 V below 3\.40 V/);
     await late.browserContext().close();
     device.voltage = 15.2;
     await until("all is well", async () => !(await other.$(".alerts li")));
