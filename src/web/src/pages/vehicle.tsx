@@ -130,7 +130,7 @@ function Modules({ latest, now }: { latest: Latest; now: number }) {
     <ul class={`modules ${late ? "late-value" : ""}`}>
       {reading.fields().map(({ field, value }) => (
         <li key={field.name} class={late || value === 0 ? "muted" : value === 1 ? "bad" : "good"}>
-          <i class="lamp" aria-hidden="true" />{names[field.name] ? t(names[field.name]!) : field.name}: {typeof value === "number" && words[value] ? t(words[value]!) : String(value)}
+          <i class="lamp" aria-hidden="true" />{t("module_state", { module: names[field.name] ? t(names[field.name]!) : field.name, state: typeof value === "number" && words[value] ? t(words[value]!) : String(value) })}
         </li>
       ))}
     </ul>

@@ -56,7 +56,7 @@ test("the form of the token has the room to be read, and the header says what is
     const page = await here.open({ access: "", width, height });
     await page.waitForSelector(".login");
     assert.ok((await page.$eval(".login", (form) => form.getBoundingClientRect().width)) > 300, `at ${width}`);
-    assert.equal(await page.$eval(".contact", (lamp) => lamp.textContent), "token needed");
+    assert.equal(await page.$eval(".contact", (lamp) => lamp.textContent), "token required");
     await page.browserContext().close();
   }
 });
