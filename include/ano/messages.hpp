@@ -99,15 +99,15 @@ inline constexpr Message messages[] = {
         {"mode", u8}, {"sflag", u8, sflags}, {"cid", u8}, {"cmd0", u8}, {"cmd1", u8}}},
     {0x07, "velocity", "Flight velocity", sensor, {
         {"speed_x", i16, "cm/s"}, {"speed_y", i16, "cm/s"}, {"speed_z", i16, "cm/s"}}},
-    {0x08, "position", "Offset from the place of take-off", sensor, {
+    {0x08, "position", "Position relative to the take-off point", sensor, {
         {"pos_x", i32, "cm"}, {"pos_y", i32, "cm"}, {"pos_z", i32, "cm"}}},
-    {0x08, "position", "Offset from the place of take-off, without height", sensor, {
+    {0x08, "position", "Position relative to the take-off point, without height", sensor, {
         {"pos_x", i32, "cm"}, {"pos_y", i32, "cm"}}, Variant{"field", 8}},
     {0x09, "wind", "Estimated wind", sensor, {
         {"wind_x", i16, "cm/s"}, {"wind_y", i16, "cm/s"}}},
-    {0x0A, "target_attitude", "Attitude aimed at", sensor, {
+    {0x0A, "target_attitude", "Target attitude", sensor, {
         {"tar_rol", i16, times(100), "°"}, {"tar_pit", i16, times(100), "°"}, {"tar_yaw", i16, times(100), "°"}}},
-    {0x0B, "target_velocity", "Velocity aimed at", sensor, {
+    {0x0B, "target_velocity", "Target velocity", sensor, {
         {"tar_speed_x", i16, "cm/s"}, {"tar_speed_y", i16, "cm/s"}, {"tar_speed_z", i16, "cm/s"}}},
     {0x0C, "return_home", "Direction and distance of home", sensor, {
         {"r_a", i16, times(10), "°", range(-180, 180)}, {"r_d", u16, "m"}}},
@@ -188,7 +188,7 @@ inline constexpr Message messages[] = {
         {"dx_fix", i16, "cm/s"}, {"dy_fix", i16, "cm/s"}, {"integ_x", i16, "cm", note("wraps")},
         {"integ_y", i16, "cm", note("wraps")}, {"quality", u8}}, Variant{"mode2"}},
 
-    {0x60, "waypoint_read", "Asks for a waypoint or for their number, and tells the number", urgent, {
+    {0x60, "waypoint_read", "Requests a waypoint or their number, or reports the number", urgent, {
         {"num", u8, waypoint_requests}}},
     {0x61, "waypoint", "One waypoint", urgent, {
         {"num", u8, home}, {"lng", i32, times(1e7), "°"}, {"lat", i32, times(1e7), "°"}, {"alt", i32, "cm"},
@@ -208,18 +208,18 @@ inline constexpr Message messages[] = {
         {"frames", frames}}},
 
     {0xC0, "command", "Runs a command", urgent, {
-        {"cid0", u8}, {"cid1", u8}, {"cid2", u8}, {"values", bytes, Role::values, note("types as told by command_info")}}},
-    {0xC1, "command_query", "Asks for commands, and tells their number", urgent, {
+        {"cid0", u8}, {"cid1", u8}, {"cid2", u8}, {"values", bytes, Role::values, note("types as described by command_info")}}},
+    {0xC1, "command_query", "Requests commands, or reports their number", urgent, {
         {"cmd", u8, command_queries}, {"val", u16}}},
     {0xC2, "command_info", "Describes a command", urgent, {
         {"cmd_id", u16}, {"cid0", u8}, {"cid1", u8}, {"cid2", u8}, {"val_type", u8[8], value_types, Role::value_types, note("7 is u64 on current devices")}, {"name", text[20]},
         {"info", text}}},
-    {0xE0, "parameter_command", "Asks for parameters, and tells their number", urgent, {
+    {0xE0, "parameter_command", "Requests parameters, or reports their number", urgent, {
         {"cmd", u8, parameter_queries}, {"val", u16}}},
     {0xE0, "parameter_command", "Acts on all parameters", urgent, {
         {"cmd", u8, only(0x10), parameter_action}, {"val", u16, actions}}, Variant{"action"}},
     {0xE1, "parameter_value", "The value of a parameter", urgent, {
-        {"par_id", u16}, {"value", bytes, Role::value, note("type as told by parameter_info")}}},
+        {"par_id", u16}, {"value", bytes, Role::value, note("type as described by parameter_info")}}},
     {0xE2, "parameter_info", "Describes a parameter", urgent, {
         {"par_id", u16}, {"par_type", u8, parameter_types, range(0, 10)}, {"name", text[20]}, {"info", text}}},
     {0xE2, "parameter_info", "Describes a parameter of an old device, which sends every value as i32", urgent, {

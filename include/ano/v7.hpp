@@ -194,7 +194,7 @@ inline constexpr Message differences[] = {
         {"bar_sta", u8}, {"mag_sta", u8}}},
     {0x05, "altitude", "Altitude fused and by the additional sensor", sensor, {
         {"alt_fu", i32, "cm"}, {"alt_add", i32, "cm"}, {"alt_sta", u8}}},
-    {0x08, "position", "Offset from the place of take-off, without height", sensor, {
+    {0x08, "position", "Position relative to the take-off point, without height", sensor, {
         {"pos_x", i32, "cm"}, {"pos_y", i32, "cm"}}},
     {0x32, "general_position", "Position by an external sensor; X forward and Y left at unlock", sensor, {
         {"pos_x", i32, "cm", NoData{INT32_MIN}}, {"pos_y", i32, "cm", NoData{INT32_MIN}},
@@ -204,7 +204,7 @@ inline constexpr Message differences[] = {
     {0xA1, "log_value", "A number and a line of text", report, {{"val", i32}, {"str", text}}},
     {0xE0, "command", "Runs a command", urgent, {
         {"cid", u8}, {"cmd0", u8}, {"cmd1", u8}, {"values", bytes, Role::values, note("packed; zeros up to 11 bytes of DATA")}}},
-    {0xE1, "parameter_read", "Asks for the value of a parameter", urgent, {{"par_id", u16}}},
+    {0xE1, "parameter_read", "Requests the value of a parameter", urgent, {{"par_id", u16}}},
     {0xE2, "parameter_value", "The value of a parameter, as an answer or to be written", urgent, {
         {"par_id", u16}, {"val", i32, note("0x80000000: no such parameter")}}},
 };

@@ -9,8 +9,9 @@ Car::Car(const Settings& settings, TimePoint start)
     auto& parameters = device().parameters();
     parameters.add("SIM_TOP_SPEED", top_speed_, {.info = "cm/s", .min = 10, .max = 2000});
     parameters.add("SIM_ACCELERATION", acceleration_, {.info = "cm/s²", .min = 10, .max = 1000});
-    parameters.add("SIM_TURN", turn_, {.info = "how fast it turns at most, degrees a second", .min = 5, .max = 180});
-    parameters.add("SIM_DRIVING_TIME", driving_time_, {.info = "until the battery is empty, s", .min = 60, .max = 86'400});
+    parameters.add("SIM_TURN", turn_, {.info = "maximum turn rate, degrees per second", .min = 5, .max = 180});
+    parameters.add("SIM_DRIVING_TIME", driving_time_,
+                   {.info = "driving time until the battery is empty, s", .min = 60, .max = 86'400});
     inertial_.add_calibrations(parameters, hand_, hz(), {[this] { return is_locked_; }, [this] { return store_values(); }});
     parameters.on_save([this] { return store_values(); });
     add_commands();
@@ -29,7 +30,7 @@ void Car::add_commands() {
         there_.reset();
     });
     commands.add({0x20, 0, 3}, "STOP", "", [this] { there_.reset(); });
-    commands.add({0x20, 0, 4}, "GO_TO", "cm from where it began: north, west", [this](std::int32_t x, std::int32_t y) {
+    commands.add({0x20, 0, 4}, "GO_TO", "cm from the start point: north, west", [this](std::int32_t x, std::int32_t y) {
         const Vector there{x / 100.0, y / 100.0, 0};
         if (is_locked_ || std::abs(there.x) >= wall_ahead || std::abs(there.y) >= wall_aside) return false;
         there_ = there;

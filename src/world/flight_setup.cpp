@@ -30,18 +30,17 @@ void FlightController::add_own_parameters() {
         parameters.add(name, variable, {.info = info, .min = min, .max = max});
     };
     add("SIM_MODE", settings_.mode, "0 attitude, 1 and height, 2 and position, 3 programmed", std::uint8_t{0}, std::uint8_t{3});
-    add("SIM_TURN", settings_.turn, "how fast it turns in a hover, degrees a second to the left", std::int8_t{-90},
-        std::int8_t{90});
-    add("SIM_HEIGHT", settings_.height, "where it hovers, cm: TAKE_OFF 0 goes there", std::uint16_t{20}, std::uint16_t{10'000});
-    add("SIM_SPEED", settings_.speed, "how fast it flies to a place, cm/s", std::uint16_t{20}, std::uint16_t{1000});
-    add("SIM_BAR_OFFSET", barometer_offset_, "what the barometer is off by, cm", std::int16_t{-1000}, std::int16_t{1000});
-    add("SIM_FLIGHT_TIME", settings_.flight_time, "until the battery is empty, s in a hover", 60u, 86'400u);
-    add("SIM_RANGE_OFFSET", range_offset_, "what the range finder is off by, cm", -1000, 1000);
+    add("SIM_TURN", settings_.turn, "turn rate in a hover, degrees per second to the left", std::int8_t{-90}, std::int8_t{90});
+    add("SIM_HEIGHT", settings_.height, "hover height, cm: TAKE_OFF 0 climbs to it", std::uint16_t{20}, std::uint16_t{10'000});
+    add("SIM_SPEED", settings_.speed, "speed on the way to a point, cm/s", std::uint16_t{20}, std::uint16_t{1000});
+    add("SIM_BAR_OFFSET", barometer_offset_, "barometer error, cm", std::int16_t{-1000}, std::int16_t{1000});
+    add("SIM_FLIGHT_TIME", settings_.flight_time, "time in a hover until the battery is empty, s", 60u, 86'400u);
+    add("SIM_RANGE_OFFSET", range_offset_, "range finder error, cm", -1000, 1000);
     add("SIM_WIND", settings_.wind, "m/s", 0.0f, 8.0f);
     add("SIM_SWAY", settings_.sway, "gusts, % of the wind", 0.0f, 100.0f);
     add("SIM_WIND_FROM", settings_.wind_from, "degrees from north, clockwise", std::uint16_t{0}, std::uint16_t{359});
-    add("SIM_HOME_LNG", home_.lng, "degrees: where the world begins", -180.0, 180.0);
-    add("SIM_HOME_LAT", home_.lat, "degrees", -80.0, 80.0);
+    add("SIM_HOME_LNG", home_.lng, "longitude of the take-off point, degrees", -180.0, 180.0);
+    add("SIM_HOME_LAT", home_.lat, "latitude of the take-off point, degrees", -80.0, 80.0);
     add("SIM_PICTURES", pictures_, "1: sends a moving picture", std::uint8_t{0}, std::uint8_t{1});
     add("SIM_P_POSITION", settings_.gains.position, "1/s", 0.2f, 1.2f);
     add("SIM_P_VELOCITY", settings_.gains.velocity, "1/s", 1.5f, 4.0f);
@@ -83,7 +82,7 @@ void FlightController::add_user_parameters() {
 void FlightController::add_commands() {
     auto& commands = device().commands();
     add_flights();
-    commands.add({0x10, 0, 5}, "ADD", "tells the sum of its values",
+    commands.add({0x10, 0, 5}, "ADD", "reports the sum of its values",
                  [this](std::uint8_t a, std::int8_t b, std::uint16_t c, std::int16_t d, std::uint32_t e, std::int32_t f, float g,
                         double h) {
                      const double sum = a + b + c + d + static_cast<double>(e) + f + double{g} + h;

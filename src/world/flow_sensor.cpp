@@ -12,7 +12,7 @@ FlowSensor::FlowSensor(const Settings& settings, TimePoint start)
     : SimulatedDevice{{.id = settings.id != 0 ? settings.id : usual_id, .name = "SimFlow"}, settings, start} {
     auto& parameters = device().parameters();
     parameters.add("SIM_HEIGHT", height_, {.info = "above ground, cm", .min = 8, .max = 1000});
-    parameters.add("SIM_SPEED", speed_, {.info = "how fast it is carried, cm/s", .min = 0, .max = 500});
+    parameters.add("SIM_SPEED", speed_, {.info = "speed at which it is carried, cm/s", .min = 0, .max = 500});
     parameters.on_save([this] { return store_values(); });
     every(at_rate(hz()), [this] { flow(); });
     every(at_rate(hz() / 2), [this] {

@@ -6,8 +6,8 @@ namespace ano::world {
 Imu::Imu(const Settings& settings, TimePoint start)
     : SimulatedDevice{{.id = settings.id != 0 ? settings.id : usual_id, .name = "SimIMU"}, settings, start}, inertial_{chance()} {
     auto& parameters = device().parameters();
-    parameters.add("SIM_SWAY", sway_, {.info = "how far the table sways, degrees", .min = 0, .max = 30});
-    parameters.add("SIM_BAR_OFFSET", barometer_offset_, {.info = "what the barometer is off by, cm", .min = -1000, .max = 1000});
+    parameters.add("SIM_SWAY", sway_, {.info = "tilt of the swaying table, degrees", .min = 0, .max = 30});
+    parameters.add("SIM_BAR_OFFSET", barometer_offset_, {.info = "barometer error, cm", .min = -1000, .max = 1000});
     inertial_.add_calibrations(parameters, hand_, hz(), {[] { return true; }, [this] { return store_values(); }});
     parameters.on_save([this] { return store_values(); });
     every(at_rate(hz()), [this] { emit(inertial_.inertial(body_.felt(), body_.rates(), chance())); });
