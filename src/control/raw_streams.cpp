@@ -1,3 +1,4 @@
+#include <ano_json/nearest.hpp>
 #include <config/link_kind.hpp>
 #include <control/raw_streams.hpp>
 #include <http/routes.hpp>
@@ -10,7 +11,9 @@
 
 #include <algorithm>
 #include <chrono>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 namespace anogate {
 namespace {
@@ -19,6 +22,16 @@ using Kind = http::WebSocket::Kind;
 using Json = nlohmann::ordered_json;
 
 constexpr std::uint16_t going_away = 1001, policy_violation = 1008;    // close codes of WebSocket (RFC 6455)
+
+// As `anoctl links` writes it.
+template <class Links>
+std::string unknown_link(const std::string& name, const Links& links) {
+    std::vector<std::string_view> known;
+    for (const LinkState& state : links) known.push_back(state.link->name());
+    std::string text = "unknown link " + in_quotes(name) + ano::did_you_mean(name, known);
+    for (std::size_t i = 0; i < known.size(); ++i) text.append(i == 0 ? "; links: " : ", ").append(known[i]);
+    return text;
+}
 
 std::string message_of(char direction, std::span<const std::uint8_t> bytes) {
     const auto since_1970 = std::chrono::system_clock::now().time_since_epoch();
@@ -122,7 +135,7 @@ http::Response RawStreams::answer(const http::Request& request) {
     const std::string name{request.parameter("link")};
     const auto& links = gateway_.links();
     const auto state = std::find_if(links.begin(), links.end(), [&](const LinkState& s) { return s.link->name() == name; });
-    if (state == links.end()) return http::error(404, "there is no link " + in_quotes(name));
+    if (state == links.end()) return http::error(404, unknown_link(name, links));
     if (!state->link->raw_port())
         return http::error(409, "the raw bytes of a " + std::string{state->link->settings().kind->name} +
                                     " link are not available, only those of serial, pty and udp links");

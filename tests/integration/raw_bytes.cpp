@@ -103,6 +103,8 @@ TEST_F(RawBytes, are_rejected_for_other_link_kinds) {
         EXPECT_EQ(raw.ended->answer.status, status) << link;
         if (status == 409u) {
             EXPECT_NE(raw.ended->answer.body.find("only those of serial, pty and udp links"), std::string::npos);
+        } else {
+            EXPECT_NE(raw.ended->answer.body.find("unknown link 'nobody'; links: "), std::string::npos) << raw.ended->answer.body;
         }
     }
 }
