@@ -34,7 +34,7 @@ http::Response answer_of(const ReloadOutcome& outcome) {
         Json faults = Json::array();
         for (const ConfigError& fault : outcome.faults) faults.push_back(line_of(fault));
         const std::string error = "nothing was changed: the configuration has " + std::to_string(faults.size()) +
-                                  (faults.size() == 1 ? " fault" : " faults");
+                                  (faults.size() == 1 ? " error" : " errors");
         return json_response(422, {{"error", error}, {"what", "invalid"}, {"faults", std::move(faults)}});
     }
     Json links = Json::array();

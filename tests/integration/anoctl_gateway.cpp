@@ -429,13 +429,13 @@ TEST_F(AnoctlReload, lists_the_changes_that_need_a_restart) {
 
 TEST_F(AnoctlReload, shows_the_faults_of_a_configuration) {
     status = 422;
-    body = R"({"error": "the configuration has 2 faults", "what": "invalid", "faults": ["/links/0/baud: one", "/links/1: two"]})";
+    body = R"({"error": "the configuration has 2 errors", "what": "invalid", "faults": ["/links/0/baud: one", "/links/1: two"]})";
     const Result refused = reload({});
     EXPECT_EQ(refused.exit, 1);
     EXPECT_EQ(refused.printed,
               "anoctl: /links/0/baud: one\n"
               "anoctl: /links/1: two\n"
-              "anoctl: the configuration has 2 faults\n");
+              "anoctl: the configuration has 2 errors\n");
 }
 
 TEST_F(AnoctlReload, names_the_option_whose_value_is_refused) {
