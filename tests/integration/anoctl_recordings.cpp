@@ -80,6 +80,25 @@ TEST_F(AnoctlRecordings, are_fetched_and_deleted_by_name_without_extension_if_it
     expect(anoctl({"recordings", "delete", "flihgt.pcapng"}), 1, "did you mean 'flight.pcapng'?");
 }
 
+// Gateways of one user share the folder of recordings.
+TEST_F(AnoctlRecordings, of_another_gateway_are_listed_while_they_run) {
+    start(R"(, "record": {"start": false})");
+    begin({{"name", "own"}});
+    dir.write("other.json", R"({"links": [], "record": {"start": false, "folder": ")" + folder + "\"}}");
+    const std::string others = dir / "other.sock";
+    Daemon other{ANOGATED, others, {"--config", dir / "other.json"}};
+    ASSERT_TRUE(other.until_answers()) << other.output();
+    ASSERT_EQ(asked(others, "POST", "/recordings", R"({"name": "other"})").status, 200u);
+    ASSERT_TRUE(wait_until([&] {
+        const json file = file_called("other.pcapng");
+        return file.is_object() && file.at("state") == "recording";
+    })) << get();
+    const std::string list = anoctl({"recordings"}).text;
+    EXPECT_NE(list.find("other.pcapng  recording"), std::string::npos) << list;
+    EXPECT_NE(list.find("by another gateway"), std::string::npos) << list;
+    EXPECT_EQ(list.find("own.pcapng"), list.rfind("own.pcapng")) << "once: " << list;
+}
+
 TEST_F(AnoctlRecordings, cannot_have_the_extension_of_another_format) {
     start(R"(, "record": {"start": false, "keep_last": "60s"})");
     for (const char* action : {"start", "save"})

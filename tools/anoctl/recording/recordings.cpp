@@ -101,7 +101,7 @@ private:
         Table table{{"NAME", "STATE", " SIZE", " FRAMES", " LENGTH", "NOTE"}};
         for (const Json& one : at(all, "running")) table.row(cells_of_running(one));
         for (const Json& one : at(all, "recordings"))
-            if (text_at(one, "state") != "recording") table.row(cells_of_file(one));
+            if (!is_written_here(all, one)) table.row(cells_of_file(one));
         if (table.empty()) streams.out << "no recordings yet\n";
         else table.write(streams.out, {}, streams.terminal ? streams.width : 0);
         const std::string folder = text_at(all, "folder"), error = text_at(all, "error"), free = text_at(all, "free_bytes");
@@ -111,6 +111,15 @@ private:
             print(streams, "in memory: " + counted(static_cast<std::uint64_t>(number_at(kept, "frames")), "frame") +
                                " of the last " + time_text(number_at(kept, "held_s")) + ", " + size_of(number_at(kept, "bytes")));
         return fine;
+    }
+    // A file in state "recording" is written by the asked gateway (then `running` has it), or by another one that shares the folder.
+    static bool is_written_here(const Json& all, const Json& file) {
+        if (text_at(file, "state") != "recording") return false;
+        const Json& running = at(all, "running");
+        return std::any_of(running.begin(), running.end(), [name = text_at(file, "name")](const Json& one) {
+            const std::string current = text_at(one, "file");
+            return current.empty() ? is_file_of(text_at(one, "name"), name) : current == name;
+        });
     }
     static Table::Line cells_of_running(const Json& one) {
         std::string note = text_at(one, "error");
@@ -137,7 +146,7 @@ private:
                 size_of(number_at(one, "bytes")),
                 text_at(one, "frames"),
                 length ? time_text(*length) : "",
-                ""};
+                text_at(one, "state") == "recording" ? "by another gateway" : ""};
     }
 
     int start(Streams& streams) const {
