@@ -42,7 +42,7 @@ TEST_F(AnoctlAnswers, writing_fewer_waypoints_than_stored_needs_confirmation_and
     ASSERT_EQ(anoctl({"waypoint", "put", many, "--yes"}).exit, 0);
     const Ran put = anoctl({"waypoint", "put", one, "--yes"});
     EXPECT_EQ(put.exit, 0) << put.output;
-    EXPECT_TRUE(contains(put.output, "0 is overwritten, and 1 to 3 remain")) << put.output;
+    EXPECT_TRUE(contains(put.output, "0 will be overwritten, and 1 to 3 remain")) << put.output;
     EXPECT_TRUE(contains(put.output, "until it has 4")) << put.output;
     EXPECT_TRUE(contains(put.output, ": 1 waypoint written; 0xDC has 4, the last 3 are its old ones\n")) << put.output;
     EXPECT_EQ(json::parse(anoctl({"waypoint", "get"}).output).at("waypoints").size(), 4u);

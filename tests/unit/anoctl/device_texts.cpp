@@ -229,22 +229,23 @@ std::string overwriting(const std::vector<std::uint8_t>& numbers, std::size_t ha
 
 TEST(WaypointForm, lists_the_waypoints_that_will_be_overwritten) {
     EXPECT_EQ(overwriting({0, 1}, 0), "");
-    EXPECT_EQ(overwriting({0, 1}, 1), "The device has 1 waypoint (number 0): it is overwritten. ");
-    EXPECT_EQ(overwriting({0, 1}, 2), "The device has 2 waypoints (0 to 1): all are overwritten. ");
-    EXPECT_EQ(overwriting({0}, 2),
-              "The device has 2 waypoints (0 to 1): 0 is overwritten, and 1 remains (the protocol cannot remove waypoints). To "
-              "shorten the route, repeat the last point in the file until it has 2. ");
-    EXPECT_NE(overwriting({0, 1}, 5).find("0 and 1 are overwritten, and 2 to 4 remain "), std::string::npos);
+    EXPECT_EQ(overwriting({0, 1}, 1), "The device has 1 waypoint (number 0): it will be overwritten. ");
+    EXPECT_EQ(overwriting({0, 1}, 2), "The device has 2 waypoints (0 to 1): all will be overwritten. ");
+    EXPECT_EQ(
+        overwriting({0}, 2),
+        "The device has 2 waypoints (0 to 1): 0 will be overwritten, and 1 remains (the protocol cannot remove waypoints). To "
+        "shorten the route, repeat the last point in the file until it has 2. ");
+    EXPECT_NE(overwriting({0, 1}, 5).find("0 and 1 will be overwritten, and 2 to 4 remain "), std::string::npos);
 }
 
 TEST(WaypointForm, lists_overwritten_waypoints_by_their_numbers) {
-    EXPECT_EQ(
-        overwriting({7, 3}, 8).find("The device has 8 waypoints (0 to 7): 3 and 7 are overwritten, and 0 to 2 and 4 to 6 remain"),
-        0u)
+    EXPECT_EQ(overwriting({7, 3}, 8).find(
+                  "The device has 8 waypoints (0 to 7): 3 and 7 will be overwritten, and 0 to 2 and 4 to 6 remain"),
+              0u)
         << overwriting({7, 3}, 8);
     EXPECT_EQ(overwriting({7, 3}, 8).find("To end"), std::string::npos);
     EXPECT_EQ(overwriting({9}, 8),
-              "The device has 8 waypoints (0 to 7): none is overwritten, and 0 to 7 remain (the protocol cannot remove "
+              "The device has 8 waypoints (0 to 7): none will be overwritten, and 0 to 7 remain (the protocol cannot remove "
               "waypoints). The file has no waypoint 8; the device decides their content. ");
 }
 

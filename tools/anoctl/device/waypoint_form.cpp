@@ -65,18 +65,16 @@ std::string overwriting_text(const std::vector<ano::host::Waypoint>& waypoints, 
         if (number < had) (is_written ? over : stay).push_back(number);
         else if (!is_written) gaps.push_back(number);
     }
-    const auto are = [](const WaypointNumbers& all, const char* one, const char* several) {
-        return all.size() == 1 ? one : several;
-    };
     std::string text;
     if (had > 0) {
         text = "The device has " + plural(had, "waypoint") +
                (had > 1 ? " (0 to " + std::to_string(had - 1) + ")" : " (number 0)") + ": ";
-        if (over.empty()) text += "none is overwritten";
-        else if (stay.empty()) text += std::string{had == 1 ? "it is" : "all are"} + " overwritten";
-        else text += number_ranges(over) + are(over, " is overwritten", " are overwritten");
+        if (over.empty()) text += "none will be overwritten";
+        else if (stay.empty()) text += std::string{had == 1 ? "it" : "all"} + " will be overwritten";
+        else text += number_ranges(over) + " will be overwritten";
         if (!stay.empty())
-            text += ", and " + number_ranges(stay) + are(stay, " remains", " remain") + " (the protocol cannot remove waypoints)";
+            text += ", and " + number_ranges(stay) + (stay.size() == 1 ? " remains" : " remain") +
+                    " (the protocol cannot remove waypoints)";
         text += ". ";
     }
     if (wanted < had)
