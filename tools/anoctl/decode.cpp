@@ -48,18 +48,23 @@ struct InV8 {
     static Reading read(FrameView frame, const FlexibleLayouts& layouts) { return ano::read(frame, &layouts); }
     static std::vector<GapPart> parts_of(Bytes gap) { return anoctl::parts_of(gap); }
     static const char* other_version(const ParserCounters& now, const ParserCounters& before, Bytes) {
-        return now.v7_frames > before.v7_frames ? "contains frames of protocol version 7 (0xAA), see --v7" : nullptr;
+        return now.v7_frames > before.v7_frames ? "contains frames of protocol version 7 (0xAA), use --v7" : nullptr;
     }
 };
 struct InV7 {
     using Parser = v7::FrameParser;
     static Parser parser() { return Parser{{}}; }
     static Reading read(v7::FrameView frame, const FlexibleLayouts& layouts) { return v7::read(frame, &layouts); }
-    static std::vector<GapPart> parts_of(Bytes) { return {}; }
+    static std::vector<GapPart> parts_of(Bytes gap) {
+        return has_v8_frame(gap) ? std::vector<GapPart>{} : anoctl::parts_of(gap, v7_frame_size);
+    }
     static const char* other_version(const v7::ParserCounters&, const v7::ParserCounters&, Bytes gap) {
+        return has_v8_frame(gap) ? "contains frames of protocol version 8 (0xAB), decode it without --v7" : nullptr;
+    }
+    static bool has_v8_frame(Bytes gap) {
         for (; !gap.empty(); gap = gap.subspan(1))
-            if (frame_at(gap)) return "contains frames of protocol version 8 (0xAB)";
-        return nullptr;
+            if (frame_at(gap)) return true;
+        return false;
     }
 };
 

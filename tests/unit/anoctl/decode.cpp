@@ -351,12 +351,13 @@ TEST(DecodeV7, tells_what_is_damaged_and_the_version_of_the_bytes) {
     EXPECT_EQ(std::count(result.out.begin(), result.out.end(), '\n'), 2);
     EXPECT_EQ(result.err,
               "anoctl: offset 0: 3 bytes outside any frame: no frame starts here\n"
-              "anoctl: offset 13: 10 bytes outside any frame: wrong checksum\n"
+              "anoctl: offset 13: 10 bytes outside any frame: wrong checksum 00 F9, expected C8 F9\n"
               "anoctl: offset 33: 5 bytes outside any frame: truncated frame\n");
-    EXPECT_EQ(anoctl({"decode", "--v7", log_hex}).err,
-              "anoctl: offset 0: 20 bytes outside any frame: contains frames of protocol version 8 (0xAB)\n");
+    EXPECT_EQ(
+        anoctl({"decode", "--v7", log_hex}).err,
+        "anoctl: offset 0: 20 bytes outside any frame: contains frames of protocol version 8 (0xAB), decode it without --v7\n");
     EXPECT_EQ(anoctl({"decode", "AAAF0D045E06FA00C8F9"}).err,
-              "anoctl: offset 0: 10 bytes outside any frame: contains frames of protocol version 7 (0xAA), see --v7\n");
+              "anoctl: offset 0: 10 bytes outside any frame: contains frames of protocol version 7 (0xAA), use --v7\n");
 }
 
 }    // namespace

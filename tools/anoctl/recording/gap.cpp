@@ -1,5 +1,7 @@
 #include "gap.hpp"
 
+#include <ano/v7.hpp>
+
 #include <cstddef>
 
 namespace anoctl {
@@ -7,15 +9,8 @@ namespace {
 
 using Bytes = std::span<const std::uint8_t>;
 
-/// The size of the frame at the beginning of `bytes`; 0: none, or it is incomplete.
-std::size_t frame_size(Bytes bytes) {
-    if (bytes.size() < ano::overhead || bytes[0] != ano::head) return 0;
-    const std::size_t size = ano::overhead + bytes[4] + 256u * bytes[5];
-    return size <= bytes.size() ? size : 0;
-}
-
 /// The start of the longest sequence of frames that ends at the end of `gap`.
-std::size_t last_row(Bytes gap) {
+std::size_t last_row(Bytes gap, std::size_t (*frame_size)(Bytes)) {
     std::vector<bool> in_row(gap.size() + 1);
     in_row[gap.size()] = true;
     std::size_t first = gap.size();
@@ -28,9 +23,21 @@ std::size_t last_row(Bytes gap) {
     return first;
 }
 
+std::size_t whole(Bytes bytes, std::size_t size) { return size <= bytes.size() ? size : 0; }
+
 }    // namespace
 
-std::vector<GapPart> parts_of(Bytes gap) {
+std::size_t v8_frame_size(Bytes bytes) {
+    if (bytes.size() < ano::overhead || bytes[0] != ano::head) return 0;
+    return whole(bytes, ano::overhead + bytes[4] + 256u * bytes[5]);
+}
+
+std::size_t v7_frame_size(Bytes bytes) {
+    if (bytes.size() < ano::v7::overhead || bytes[0] != ano::v7::head) return 0;
+    return whole(bytes, ano::v7::overhead + bytes[3]);
+}
+
+std::vector<GapPart> parts_of(Bytes gap, std::size_t (*frame_size)(Bytes)) {
     std::vector<GapPart> parts;
     const auto read_frames = [&] {
         for (std::size_t size = frame_size(gap); size > 0; size = frame_size(gap)) {
@@ -39,7 +46,7 @@ std::vector<GapPart> parts_of(Bytes gap) {
         }
     };
     read_frames();
-    if (const std::size_t row = last_row(gap); row > 0) {
+    if (const std::size_t row = last_row(gap, frame_size); row > 0) {
         parts.push_back({gap.first(row), {}});
         gap = gap.subspan(row);
     }
