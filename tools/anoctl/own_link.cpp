@@ -195,15 +195,21 @@ private:
     void flush() override {
         if (!receiver_.flush()) finish_soon();
     }
+    // ", to PEER", ", at ADDRESS" or, of a link without addresses, ": device /dev/ttyUSB0, baud 500000".
+    static std::string end_points(const LinkFacts& facts) {
+        std::string all;
+        const auto text_of = [](const auto& value) { return std::visit([](const auto& v) { return to_string(v); }, value); };
+        for (const auto& [name, value] : facts) {
+            if (name == "peer") return ", to " + text_of(value);
+            if (name == "address") return ", at " + text_of(value);
+            all.append(all.empty() ? ": " : ", ").append(name).append(" ").append(text_of(value));
+        }
+        return all;
+    }
     void link_up(Link& link) override {
         for (const auto& open : channels_)
             if (open) open->channel.outbox.open();
-        std::string facts;
-        for (const auto& [name, value] : link.facts()) {
-            facts.append(facts.empty() ? ": " : ", ").append(name).append(" ");
-            std::visit([&](const auto& v) { facts += to_string(v); }, value);
-        }
-        if (!up_ && !who_.empty()) complain(link.name() + " is up" + facts);
+        if (!up_ && !who_.empty()) complain(link.name() + " is up" + end_points(link.facts()));
         if (!up_) up_at_ = now();
         up_ = true;
         why_.clear();
