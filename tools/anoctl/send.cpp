@@ -54,12 +54,13 @@ private:
         return *whole;
     }
 
-    // "sent on ground (192.168.1.20:6000)"
+    // "sent on ground (192.168.1.20:6000)"; "sent on fc" if the link has no other channels
     static void print_result(const Json& answer, Streams& streams) {
         const auto each = [&](const char* key, const char* words) {
             for (const Json& place : answer.value(key, Json::array())) {
-                streams.out << words << place.value("link", "");
-                if (const std::string peer = place.value("peer", ""); !peer.empty()) streams.out << " (" << peer << ')';
+                const std::string link = place.value("link", ""), peer = place.value("peer", "");
+                streams.out << words << link;
+                if (!peer.empty() && peer != link) streams.out << " (" << peer << ')';
                 if (place.contains("cause")) streams.out << ": " << place.value("cause", "");
                 streams.out << '\n';
             }
