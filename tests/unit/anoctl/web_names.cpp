@@ -1,8 +1,12 @@
 #include <gtest/gtest.h>
 #include <anoctl/web/web_names.hpp>
 
+#include <filesystem>
 #include <string>
 #include <vector>
+
+#include <support/anoctl.hpp>
+#include <support/temp_dir.hpp>
 
 namespace web_names_tests {
 namespace {
@@ -54,6 +58,18 @@ TEST(WebNames, include_configured_hosts_and_skip_a_missing_host_name) {
     WebDoor door = door_at("0.0.0.0:80");
     door.hosts = {"vehicle.lan"};
     EXPECT_EQ(urls_of(door, {"", {address("10.0.0.2")}}), (Urls{"http://10.0.0.2:80/", "http://vehicle.lan:80/"}));
+}
+
+TEST(Certificate, for_another_computer_says_which_files_to_copy) {
+    const support::TempDir dir;
+    const std::string into = std::filesystem::canonical(dir.path()).string() + "/";
+    EXPECT_EQ(support::anoctl({"certificate", "--into", into}).out.find("Copy "), std::string::npos);
+    const auto other = support::anoctl({"certificate", "vehicle2.example", "--into", into});
+    EXPECT_EQ(other.exit, 0) << other.err;
+    EXPECT_NE(other.out.find("\nCopy " + into + "vehicle2.example.pem, " + into + "vehicle2.example-key.pem and " + into +
+                             "ca.pem to vehicle2.example, and adapt the paths there.\nLinks:\n"),
+              std::string::npos)
+        << other.out;
 }
 
 }    // namespace

@@ -40,7 +40,7 @@ struct CertificateCommand {
         if (is_new) must(make_authority(name_of_authority(computer.name), authority));
         must(make_signed_certificate(whose == computer.name ? names_for(computer) : names_of_another(whose), made, authority));
         set_service_owner(made.key);
-        print_result(authority, made, is_new, streams.out);
+        print_result(authority, made, is_new, whose == computer.name ? "" : whose, streams.out);
         return fine;
     }
 
@@ -57,12 +57,17 @@ private:
         if (anogate::IpAddress::parse(name)) return {{}, {name}};
         return {names_of({name, {}}), {}};
     }
-    static void print_result(const CertificateFiles& authority, const CertificateFiles& made, bool is_new, std::ostream& out) {
+    // `other`: the computer to which the certificate belongs; empty: this one.
+    static void print_result(const CertificateFiles& authority, const CertificateFiles& made, bool is_new,
+                             const std::string& other, std::ostream& out) {
         if (is_new)
             out << authority.certificate << ": a new authority; every computer needs this file\n"
                 << authority.key << ": its key, which signs further certificates; keep it secret, on this computer\n";
-        out << made.certificate << ", " << made.key << ": the certificate and its key\n"
-            << "Links:\n"
+        out << made.certificate << ", " << made.key << ": the certificate and its key\n";
+        if (!other.empty())
+            out << "Copy " << made.certificate << ", " << made.key << " and " << authority.certificate << " to " << other
+                << ", and adapt the paths there.\n";
+        out << "Links:\n"
             << "    tls-listen:0.0.0.0:12334,certificate=" << made.certificate << ",key=" << made.key
             << ",ca=" << authority.certificate << "\n    tls:HOST:12334,certificate=" << made.certificate << ",key=" << made.key
             << ",ca=" << authority.certificate << '\n';
