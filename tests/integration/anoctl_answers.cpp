@@ -320,7 +320,7 @@ TEST_F(AnoctlAnswers, alarms_are_shown_once_or_followed_as_they_change) {
     limits.headers.push_back({"Content-Type", "application/json"});
     limits.body = R"({"limits": [{"field": "power.voltage", "side": "below", "amber": 3.6, "red": 3.4, "cells": 4}]})";
     ASSERT_EQ(anogate::http::ask(socket, limits).answer.status, 200u);
-    EXPECT_EQ(anoctl({"alarms"}).output, "no value is in alarm\n");
+    EXPECT_EQ(anoctl({"alarms"}).output, "no value exceeds its limits\n");
     Process follows{ANOCTL, {"alarms", "--follow", "--control", socket}};
     Process others{ANOCTL, {"alarms", "--follow", "--json", "--device", "0x36", "--control", socket}};
     EXPECT_TRUE(others.until_says("{\"alarms\":[]}\n")) << others.output();
@@ -332,10 +332,10 @@ TEST_F(AnoctlAnswers, alarms_are_shown_once_or_followed_as_they_change) {
     const auto lines = lines_of(anoctl({"alarms", "--json", "--device", "0x35"}).output);
     ASSERT_EQ(lines.size(), 1u);
     EXPECT_EQ(lines[0].at("level"), "red");
-    EXPECT_EQ(anoctl({"alarms", "--device", "0x36"}).output, "no value is in alarm\n");
+    EXPECT_EQ(anoctl({"alarms", "--device", "0x36"}).output, "no value exceeds its limits\n");
     send_voltage(0xF0, 0x05);    // 15.2 V
     EXPECT_TRUE(follows.until_says(" 0x35 ended power.voltage\n")) << follows.output();
-    shows("no value is in alarm");
+    shows("no value exceeds its limits");
     EXPECT_FALSE(contains(others.output(), "power.voltage")) << others.output();
     follows.signal(SIGINT);
     EXPECT_EQ(follows.wait(), 0);

@@ -190,6 +190,8 @@ TEST_F(AnoctlWeb, shows_digits_that_sign_in_once) {
     const Result shown = web({"--pair"});
     ASSERT_EQ(shown.exit, 0) << shown.printed;
     EXPECT_EQ(shown.printed.find("\nType these digits instead of the token at http"), 6u) << shown.printed;
+    EXPECT_NE(shown.printed.find("They allow full control; valid once, for 5 minutes. Three wrong attempts"), std::string::npos)
+        << shown.printed;
     EXPECT_EQ(signed_in(port, shown.printed.substr(0, 6)), "{\"access\": \"control\"}\n");
     const json told = json::parse(web({"--pair", "--view", "--json"}).printed);
     EXPECT_EQ(told.at("expires_s"), 300);

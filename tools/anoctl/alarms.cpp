@@ -99,7 +99,7 @@ struct Alarms {
             else table.row(cells(alarm));
         }
         if (json) return fine;
-        if (table.empty()) streams.out << "no value is in alarm\n";
+        if (table.empty()) streams.out << "no value exceeds its limits\n";
         else table.write(streams.out, {}, streams.terminal ? streams.width : 0);
         return fine;
     }

@@ -82,7 +82,7 @@ void show_links(const RecordingCounts& counts, Streams& streams) {
 }
 
 void show_messages(const RecordingCounts& counts, Streams& streams) {
-    Table table{{"ID", "MESSAGE", " FRAMES", " A SECOND", " BYTES", "FROM"}};
+    Table table{{"ID", "MESSAGE", " FRAMES", " PER SECOND", " BYTES", "FROM"}};
     for (unsigned id = 0; id < 256; ++id) {
         const MessageCounts& message = counts.messages[id];
         if (message.frames == 0) continue;

@@ -62,8 +62,9 @@ void print_door(const Json& http, const WebDoor& door, const Computer& computer,
     const std::string tokens = text_at(http, "token_file"), certificate = text_at(http, "certificate");
     if (!is_set(http, "token_needed")) out << "no token required\n";
     else
-        out << "token required, from a line 'view TOKEN' or 'control TOKEN' in " << tokens
-            << ": Authorization: Bearer TOKEN\nto sign in to a browser without typing it: --open on this computer, --qr on a "
+        out << "token required: see lines 'view' and 'control' in " << tokens
+            << "; programs send it as \"Authorization: Bearer TOKEN\"\nto sign in to a browser without typing it: --open on this "
+               "computer, --qr on a "
                "phone, --pair with a six-digit code\n";
     if (certificate.empty()) return;
     out << "encrypted; programs verify it with " << certificate << " (curl --cacert)\n";
@@ -136,7 +137,7 @@ private:
         }
     }
 
-    const char* allowed() const { return view ? "watching" : "control"; }
+    const char* allowed() const { return view ? "read-only access" : "full control"; }
 
     int show_qr(const Json& http, const WebDoor& door, Streams& streams) const {
         if (door.address.is_loopback())
@@ -150,7 +151,7 @@ private:
             return fine;
         }
         streams.out << qr_text(link, streams.color) << link << '\n';
-        if (needs_code) streams.out << "signs in for " << allowed() << ", once, within 5 minutes\n";
+        if (needs_code) streams.out << "It allows " << allowed() << "; valid once, for 5 minutes.\n";
         return fine;
     }
 
@@ -162,8 +163,8 @@ private:
             streams.out << Json{{"digits", code.at("code")}, {"page", page}, {"expires_s", code.at("expires_s")}} << '\n';
             return fine;
         }
-        streams.out << text_at(code, "code") << "\nType these digits instead of the token at " << page << "\nThey sign in for "
-                    << allowed() << ", once, within 5 minutes; three wrong attempts cancel them.\n";
+        streams.out << text_at(code, "code") << "\nType these digits instead of the token at " << page << "\nThey allow "
+                    << allowed() << "; valid once, for 5 minutes. Three wrong attempts cancel them.\n";
         return fine;
     }
 };
@@ -176,7 +177,7 @@ Run add_web(Options& options) {
     options.push_back({"--qr",
                        &self->qr,
                        "",
-                       "Show a QR code and its link that sign in a phone, once, within 5 minutes",
+                       "Show a QR code and its link that sign in a phone; valid once, for 5 minutes",
                        false,
                        {"--open", "--make-certificate"}});
     options.push_back(
