@@ -60,13 +60,13 @@ std::optional<std::size_t> next_evicted(All all, bool for_priority) {
         most = has;
         candidates.push_back(i);
     }
-    std::array<std::size_t, 3> of_stage{};
-    for (const std::size_t i : candidates) ++of_stage[static_cast<std::size_t>(all[i].stage)];
-    const std::size_t largest = *std::max_element(of_stage.begin(), of_stage.end());
+    const auto group = [&](std::size_t i) { return 2 * static_cast<std::size_t>(all[i].stage) + (all[i].has_answered ? 1 : 0); };
+    std::array<std::size_t, 6> of_group{};
+    for (const std::size_t i : candidates) ++of_group[group(i)];
+    const std::size_t largest = *std::max_element(of_group.begin(), of_group.end());
     std::optional<std::size_t> oldest;
     for (const std::size_t i : candidates)
-        if (of_stage[static_cast<std::size_t>(all[i].stage)] == largest && (!oldest || all[i].since < all[*oldest].since))
-            oldest = i;
+        if (of_group[group(i)] == largest && (!oldest || all[i].since < all[*oldest].since)) oldest = i;
     return oldest;
 }
 

@@ -22,15 +22,15 @@ struct WaitingConnection {
     ano::TimePoint since{};
     Stage stage = Stage::silent;
     bool has_priority = false;    // has a trusted address
-    bool has_answered = false;    // to a message of ours, so its address is not forged
+    bool has_answered = false;    // a message of it was processed, and the peer has our answer or will soon have it
 };
 
 /// The longest silence while others connect.
 inline constexpr ano::Duration silent_while_others_come = std::chrono::seconds{3};
 
 /// The connection to drop if all places are taken and one more connects. Never one that goes first, unless `for_priority` is set and
-/// all go first. It belongs to the party with most connections; among the stages of that party (silent, begun, its_turn) to the
-/// one with most connections, and is the oldest of these. Up to four connections of a party count as four, so that many addresses
+/// all go first. It belongs to the party with most connections; among the stages of that party (silent, begun, its_turn, each with and
+/// without has_answered) to the one with most connections, and is the oldest of these. Up to four connections of a party count as four, so that many addresses
 /// with one connection each do not displace two connections of one household. std::nullopt: none.
 std::optional<std::size_t> next_evicted(std::span<const WaitingConnection> all, bool for_priority);
 

@@ -33,6 +33,15 @@ TEST(WaitingPlaces, connections_of_a_flood_of_first_messages_are_dropped_before_
     EXPECT_EQ(next_evicted(all, false), 1u);
 }
 
+// The answer needs 100 ms to a distant client: meanwhile many others send a single byte each.
+TEST(WaitingPlaces, a_connection_with_a_processed_message_outlasts_a_flood_of_incomplete_ones) {
+    std::vector<WaitingConnection> all{{1000, at(0ms), Stage::begun, false, true}};
+    for (std::uint64_t i = 1; i <= 100; ++i) all.push_back({i, at(1ms), Stage::begun});
+    EXPECT_EQ(next_evicted(all, false), 1u);
+    for (std::uint64_t i = 1; i <= 101; ++i) all.push_back({200 + i, at(2ms), Stage::begun, false, true});
+    EXPECT_EQ(next_evicted(all, false), 0u) << "a flood that has its messages processed";
+}
+
 TEST(WaitingPlaces, a_few_connections_of_one_address_count_as_one) {
     std::vector<WaitingConnection> all;
     for (int i = 0; i < 4; ++i) all.push_back({1000, at(10ms), Stage::begun});
