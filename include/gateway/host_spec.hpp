@@ -12,8 +12,8 @@
 
 namespace anogate {
 
-/// Letters, digits, '-', '_' and dots, within the limits of DNS. False for digits and dots alone, which are a mistyped IP
-/// address.
+/// Letters, digits, '-', '_' and dots, within the limits of DNS. False for numbers and dots alone, also hexadecimal ones:
+/// they are a mistyped IP address, which the resolver may accept (127.1, 0x7f000001).
 bool is_host_name(std::string_view text) noexcept;
 
 /// The addresses of names, as far as they are known.

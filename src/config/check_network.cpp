@@ -44,37 +44,56 @@ std::vector<OwnPort> own_ports(const Draft& draft) {
     return ports;
 }
 
+// Without the hosts file, localhost is 127.0.0.1 for every resolver, and ::1 only for some.
 std::vector<IpAddress> addresses_of(const HostSpec& peer, const HostAddresses& names) {
     if (peer.host.empty()) return {peer.address};
     const std::string name = in_lower_case(peer.host);
-    if (name == "localhost") return {IpAddress::v4(127, 0, 0, 1), *IpAddress::parse("::1")};
     const auto found = names.find(name);
-    return found == names.end() ? std::vector<IpAddress>{} : found->second;
+    if (found != names.end()) return found->second;
+    return name == "localhost" ? std::vector{IpAddress::v4(127, 0, 0, 1)} : std::vector<IpAddress>{};
+}
+
+// A UDP link uses one address of a name: one of the family of 'bind', IPv4 by default, if it has any. TCP tries all of them.
+std::vector<IpAddress> addresses_used_by(const LinkSettings& link, const PeerPort& to, const HostAddresses& names) {
+    std::vector<IpAddress> all = addresses_of(to.peer, names);
+    if (to.is_tcp) return all;
+    const auto bound = bound_port_of(link);
+    const auto is_other = [v6 = bound && bound->local.address.v6](const IpAddress& one) { return one.v6 != v6; };
+    if (!std::all_of(all.begin(), all.end(), is_other)) all.erase(std::remove_if(all.begin(), all.end(), is_other), all.end());
+    return all;
 }
 
 bool is_address_of(const std::vector<Network>& own, const IpAddress& address) {
     return std::any_of(own.begin(), own.end(), [&](const Network& network) { return network.address == address; });
 }
 
-bool leads_to(const PeerPort& to, const BoundPort& bound, const HostAddresses& names, const std::vector<Network>& own) {
-    const IpAddress& local = bound.local.address;
-    if (to.is_tcp != bound.is_tcp || to.peer.port == 0 || to.peer.port != bound.local.port) return false;
-    const bool accepts_all = local.is_any() && bound.interface.empty();
-    const std::vector<IpAddress> all = addresses_of(to.peer, names);
-    return std::any_of(all.begin(), all.end(), [&](const IpAddress& peer) {
-        if (peer.is_multicast()) return false;    // other hosts receive it too
-        return peer == local || (accepts_all && (peer.is_loopback() || is_address_of(own, peer)));
-    });
+// Packets of this computer to its own addresses arrive at lo. A socket at 0.0.0.0 receives IPv4 only, one at [::] both.
+bool receives(const BoundPort& bound, const HostSpec& peer, const IpAddress& to, const std::vector<Network>& own) {
+    const EndpointSpec& local = bound.local;
+    if (to.is_multicast()) return false;    // other hosts receive it too
+    if (to == local.address) return peer.interface == local.interface;
+    return local.address.is_any() && (local.address.v6 || !to.v6) && (bound.interface.empty() || bound.interface == "lo") &&
+           (to.is_loopback() || is_address_of(own, to));
 }
 
-/// `leads(to, port)`: whether this is an error.
+/// Whether the link certainly leads there: also if a name has further addresses, unless they may belong to another computer.
+bool leads_to(const LinkSettings& link, const PeerPort& to, const BoundPort& bound, const HostAddresses& names,
+              const std::vector<Network>& own) {
+    if (to.is_tcp != bound.is_tcp || to.peer.port == 0 || to.peer.port != bound.local.port) return false;
+    const std::vector<IpAddress> used = addresses_used_by(link, to, names);
+    const auto is_received = [&](const IpAddress& one) { return receives(bound, to.peer, one, own); };
+    return std::any_of(used.begin(), used.end(), is_received) &&
+           std::all_of(used.begin(), used.end(), [&](const IpAddress& one) { return one.is_loopback() || is_received(one); });
+}
+
+/// `leads(link, to, port)`: whether this is an error.
 template <typename Leads>
 void add_own_peers(Draft& draft, Leads leads) {
     const std::vector<OwnPort> ports = own_ports(draft);
     for (std::size_t i = 0; i < draft.settings.links.size(); ++i)
         if (const auto to = peer_port_of(draft.settings.links[i]))
             for (const OwnPort& one : ports)
-                if (leads(*to, one.port))
+                if (leads(draft.settings.links[i], *to, one.port))
                     draft.errors.push_back(
                         {draft.links[i].key(to->key), in_quotes(to->peer.text()) + " is this gateway itself: " + one.use});
 }
@@ -82,13 +101,15 @@ void add_own_peers(Draft& draft, Leads leads) {
 }    // namespace
 
 void check_peers(Draft& draft) {
-    add_own_peers(draft, [](const PeerPort& to, const BoundPort& bound) { return leads_to(to, bound, {}, {}); });
+    add_own_peers(draft, [](const LinkSettings& link, const PeerPort& to, const BoundPort& bound) {
+        return leads_to(link, to, bound, {}, {});
+    });
 }
 
 // The errors that need neither `names` nor `own` were added before.
 void check_peers(Draft& draft, const HostAddresses& names, const std::vector<Network>& own) {
-    add_own_peers(draft, [&](const PeerPort& to, const BoundPort& bound) {
-        return leads_to(to, bound, names, own) && !leads_to(to, bound, {}, {});
+    add_own_peers(draft, [&](const LinkSettings& link, const PeerPort& to, const BoundPort& bound) {
+        return leads_to(link, to, bound, names, own) && !leads_to(link, to, bound, {}, {});
     });
 }
 

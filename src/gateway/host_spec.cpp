@@ -15,17 +15,27 @@ bool is_label(std::string_view label) noexcept {
            std::all_of(label.begin(), label.end(), [](char c) { return is_alphanumeric(c) || c == '-' || c == '_'; });
 }
 
+/// Decimal, octal or hexadecimal ("0x7f"): a name of such labels alone is an IPv4 address for the resolver (inet_aton).
+bool is_number_label(std::string_view label) noexcept {
+    if (label.size() > 2 && (label.starts_with("0x") || label.starts_with("0X")))
+        return label.find_first_not_of("0123456789abcdefABCDEF", 2) == label.npos;
+    return label.find_first_not_of("0123456789") == label.npos;
+}
+
 }    // namespace
 
 bool is_host_name(std::string_view text) noexcept {
     if (text.ends_with('.')) text.remove_suffix(1);
-    if (text.empty() || text.size() > max_name || text.find_first_not_of("0123456789.") == text.npos) return false;
+    if (text.empty() || text.size() > max_name) return false;
+    bool is_number = true;
     for (std::size_t from = 0; from <= text.size();) {
         const std::size_t dot = std::min(text.find('.', from), text.size());
-        if (!is_label(text.substr(from, dot - from))) return false;
+        const std::string_view label = text.substr(from, dot - from);
+        if (!is_label(label)) return false;
+        is_number = is_number && is_number_label(label);
         from = dot + 1;
     }
-    return true;
+    return !is_number;
 }
 
 std::optional<HostSpec> HostSpec::parse(std::string_view text) {

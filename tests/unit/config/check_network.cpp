@@ -46,7 +46,6 @@ TEST(CheckPeers, knows_the_names_of_the_hosts_file) {
               "LINK 'udp:Vehicle:5,name=loop': 'Vehicle:5' is this gateway itself: 'port' (LINK "
               "'udp-listen:0.0.0.0:5,name=port') listens there\n");
     EXPECT_NE(faults_on_machine({"tcp-listen:0.0.0.0:5", "tcp:vehicle:5"}, names), "");
-    EXPECT_NE(faults_on_machine({"udp:both:5", "udp-listen:127.0.0.1:5"}, names), "");
     EXPECT_NE(faults_on_machine({"udp-listen:10.0.0.1:5", "udp:own:5"}, names), "");
     EXPECT_EQ(faults_on_machine({"udp-listen:127.0.0.1:5", "udp:vehicle:5"}, names), "") << "127.0.1.1 is another address";
     EXPECT_EQ(faults_on_machine({"udp-listen:0.0.0.0:5", "udp:far:5", "udp:unknown:5,name=u", "udp:vehicle:6"}, names), "");
@@ -60,6 +59,42 @@ TEST(CheckPeers, knows_the_addresses_of_the_interfaces) {
         EXPECT_NE(faults_on_machine({"udp-listen:0.0.0.0:5", itself}, names, own), "") << itself;
     EXPECT_EQ(faults_on_machine({"udp-listen:0.0.0.0:5", "udp:192.168.1.6:5"}, names, own), "");
     EXPECT_EQ(faults_on_machine({"udp-listen:127.0.0.1:5", "udp:vehicle:5"}, names, own), "");
+}
+
+TEST(CheckPeers, regards_only_a_certain_match_as_this_gateway) {
+    const HostAddresses names = names_in_hosts(
+        "127.0.0.1 localhost\n::1 ip6-localhost six\n127.0.0.1 twice\n::1 twice\n127.0.0.1 both\n10.0.0.2 both\nfd00::5 own-six\n"
+        "fd00::9 mixed\n127.0.0.1 mixed\n");
+    const std::vector<Network> own{*Network::parse("192.168.1.5/24"), *Network::parse("fd00::5/64")};
+    struct Row {
+        const char *port, *link;
+        bool is_fault;
+    };
+    const Row rows[] = {
+        {"udp-listen:0.0.0.0:5", "udp:ip6-localhost:5", false},
+        {"tcp-listen:0.0.0.0:5", "tcp:six:5", false},
+        {"tcp-listen:[::]:5", "tcp:six:5", true},
+        {"udp-listen:[::1]:5", "udp:six:5", true},
+        {"udp-listen:0.0.0.0:5", "udp:[fd00::5]:5", false},
+        {"tcp-listen:0.0.0.0:5", "tcp:own-six:5", false},
+        {"tcp-listen:[::]:5", "tcp:own-six:5", true},
+        {"tcp-listen:[::]:5", "tcp:192.168.1.5:5", true},
+        {"tcp-listen:[::1]:5", "tcp:localhost:5", false},    // 127.0.0.1 alone in the hosts file
+        {"tcp-listen:[::1]:5", "tcp:twice:5", true},
+        {"tcp-listen:0.0.0.0:5", "tcp:twice:5", true},
+        {"tcp-listen:0.0.0.0:5", "tcp:both:5", false},
+        {"udp-listen:0.0.0.0:5", "udp:both:5", false},
+        {"udp-listen:0.0.0.0:5", "udp:mixed:5", true},    // UDP prefers IPv4
+        {"tcp-listen:0.0.0.0:5", "tcp:mixed:5", false},
+        {"udp-listen:[::1]:5", "udp:twice:5", false},
+        {"udp-listen:[::1]:5", "udp:twice:5,bind=[::1]:6", true},
+        {"udp-listen:0.0.0.0:5,interface=lo", "udp:192.168.1.5:5", true},
+        {"udp-listen:0.0.0.0:5,interface=eth0", "udp:192.168.1.5:5", false},
+    };
+    for (const Row& row : rows)
+        EXPECT_EQ(faults_on_machine({row.port, row.link}, names, own) != "", row.is_fault) << row.port << ' ' << row.link;
+    EXPECT_NE(
+        faults_on_machine({"tcp-listen:[::1]:5", "tcp:localhost:5"}, names_in_hosts("::1 localhost\n127.0.0.1 localhost\n")), "");
 }
 
 TEST(CheckPeers, reports_nothing_twice) {

@@ -460,6 +460,14 @@ TEST(LinkText, a_tcp_peer_is_a_host_and_a_port) {
     EXPECT_EQ(fault_of("tcp:[fe80::1]:5"), "'[fe80::1]:5' is a link-local address: add the interface, [fe80::1%eth0]:5");
 }
 
+TEST(LinkText, a_number_that_the_resolver_reads_as_an_ip_address_is_not_a_host_name) {
+    for (const char* number : {"0x7f000001", "0X7F.0.0.1", "127.1", "0x7f.1."})
+        EXPECT_EQ(fault_of("tcp:" + std::string{number} + ":5"),
+                  "'address' must be a host name or IP address, and a port, such as 192.168.4.1:8888 or flow.local:8888, not '" +
+                      std::string{number} + ":5'");
+    for (const char* name : {"0x", "0x7g", "0x7f.local", "7f"}) EXPECT_EQ(faults_of({"tcp:" + std::string{name} + ":5"}), "");
+}
+
 TEST(LinkText, tcp_and_udp_ports_are_separate_and_no_link_connects_to_this_gateway) {
     EXPECT_EQ(faults_of({"udp-listen:0.0.0.0:5", "tcp-listen:0.0.0.0:5"}), "");
     EXPECT_NE(faults_of({"tcp-listen:0.0.0.0:5", "tcp-listen:10.0.0.1:5,name=b"}), "");
@@ -469,8 +477,12 @@ TEST(LinkText, tcp_and_udp_ports_are_separate_and_no_link_connects_to_this_gatew
     EXPECT_EQ(faults_of({"tcp-listen:0.0.0.0:5,name=port", "tcp:localhost:5,name=loop"}),
               "LINK 'tcp:localhost:5,name=loop': 'localhost:5' is this gateway itself: 'port' (LINK "
               "'tcp-listen:0.0.0.0:5,name=port') listens there\n");
-    for (const char* itself : {"tcp:127.0.0.1:5", "tcp:127.0.0.9:5", "tcp:[::1]:5"})
+    for (const char* itself : {"tcp:127.0.0.1:5", "tcp:127.0.0.9:5", "tcp:localhost:5"})
         EXPECT_NE(faults_of({itself, "tcp-listen:0.0.0.0:5"}), "") << itself;
+    for (const char* itself : {"tcp:127.0.0.1:5", "tcp:[::1]:5", "tcp:localhost:5"})
+        EXPECT_NE(faults_of({itself, "tcp-listen:[::]:5"}), "") << itself << ": [::] accepts IPv4, too";
+    EXPECT_EQ(faults_of({"tcp:[::1]:5", "tcp-listen:0.0.0.0:5"}), "") << "that accepts IPv4 only";
+    EXPECT_EQ(faults_of({"tcp:localhost:5", "tcp-listen:[::1]:5"}), "") << "localhost may be 127.0.0.1 alone";
     EXPECT_NE(faults_of({"tcp-listen:10.0.0.1:5", "tcp:10.0.0.1:5"}), "");
     EXPECT_EQ(faults_of({"tcp-listen:10.0.0.1:5", "tcp:localhost:5"}), "");
     EXPECT_EQ(faults_of({"tcp-listen:0.0.0.0:5", "tcp:localhost:6", "udp:127.0.0.1:5"}), "");
@@ -493,6 +505,11 @@ TEST(LinkText, no_udp_link_sends_to_its_own_gateway) {
     EXPECT_EQ(faults_of({"udp-listen:0.0.0.0:5", "udp:localhost:6", "tcp:localhost:5", "udp:10.0.0.1:5"}), "");
     EXPECT_EQ(faults_of({"udp-listen:0.0.0.0:5,interface=eth0", "udp:localhost:5"}), "")
         << "what comes from here is not received";
+    EXPECT_NE(faults_of({"udp-listen:0.0.0.0:5,interface=lo", "udp:127.0.0.1:5"}), "");
+    EXPECT_EQ(faults_of({"udp-listen:0.0.0.0:5", "udp:[::1]:5"}), "");
+    EXPECT_NE(faults_of({"udp-listen:[::]:5", "udp:[::1]:5"}), "");
+    EXPECT_EQ(faults_of({"udp-listen:[fe80::1%eth0]:5", "udp:[fe80::1%eth1]:5"}), "") << "of another network";
+    EXPECT_NE(faults_of({"udp-listen:[fe80::1%eth0]:5", "udp:[fe80::1%eth0]:5"}), "");
     EXPECT_EQ(faults_of({"udp-listen:239.0.0.1:5", "udp:239.0.0.1:5"}), "") << "others receive it too";
     EXPECT_EQ(faults_of({"udp:255.255.255.255:5,bind=0.0.0.0:5"}), "");
 }
