@@ -162,9 +162,10 @@ tl::expected<Access, Response> Admission::judge(Request& request, ano::TimePoint
         if (access) request.token = std::move(token);
         return access;
     }
-    // The token of a header has priority over the cookie, which a browser adds to every request, also to a request that signs in.
+    // The token of a header has priority over the cookie, which a browser adds to every request, also to those that sign in or out.
     const auto kept = cookies_of(request, cookie_name(request.door));
-    if (kept.empty() || split(request.target).path == "/login") return Access::open;
+    const std::string_view path = split(request.target).path;
+    if (kept.empty() || path == "/login" || path == "/logout") return Access::open;
     std::optional<Access> access;
     for (const std::string_view token : kept) {
         const auto one = access_of_known(token);
@@ -173,7 +174,8 @@ tl::expected<Access, Response> Admission::judge(Request& request, ano::TimePoint
         request.token = token;
     }
     if (!access) {
-        request.slowed = count_wrong(request.door, now);
+        for (const std::string_view token : kept)
+            request.slowed = std::max(request.slowed, count_wrong_cookie(token, request.door, now));
         request.also = no_cookie(request.door);
     }
     return access.value_or(Access::open);
@@ -210,12 +212,18 @@ std::string Admission::token_for(Access access) const {
     return found == rules_.tokens.end() ? std::string{} : found->text;
 }
 
+// A browser sends a cookie that became stale with each request until the response clears it: the same one again is no guess.
+ano::Duration Admission::count_wrong_cookie(std::string_view token, const Door& door, ano::TimePoint now) {
+    const std::size_t hash = std::hash<std::string_view>{}(token);
+    return attempts_.knows(door.peer, hash) ? ano::Duration{} : count_wrong(door, now, hash);
+}
+
 // Returns the time for which the client's wrong tokens were already slowed down before this one; zero: they were not.
-ano::Duration Admission::count_wrong(const Door& door, ano::TimePoint now) {
+ano::Duration Admission::count_wrong(const Door& door, ano::TimePoint now, std::size_t token) {
     ++wrong_tokens_;
     const auto slowed = attempts_.slowed_for(door.peer, now);
     if (slowed > ano::Duration{}) return slowed;
-    const auto news = attempts_.failed(door.peer, now);
+    const auto news = attempts_.failed(door.peer, now, token);
     if (news.is_told && on_guessing_) on_guessing_(door.peer, news);
     return slowed;
 }

@@ -42,8 +42,8 @@ public:
     /// The access of the request, or the response that refuses it. At a network door it refuses: a Host that is not a name of
     /// this machine, since any other name may be made to resolve to it (DNS rebinding); an Origin other than our own or one of
     /// `origins`; a body that a form of any page could send; a wrong token. A wrong token in a cookie counts as no token, and the
-    /// response clears the cookie (Request::also); it is counted and slowed down as others are, but only where a token is needed
-    /// (Request::slowed). A token that was checked with the head of the request (Request::judged) is not checked again. A request
+    /// response clears the cookie (Request::also); each different one is counted and slowed down as others are, but only where a
+    /// token is needed (Request::slowed). Requests that sign in or out ignore cookies. A token that was checked with the head of the request (Request::judged) is not checked again. A request
     /// forwarded by a proxy needs a token at every door.
     tl::expected<Access, Response> judge(Request& request, ano::TimePoint now);
 
@@ -83,7 +83,8 @@ private:
     bool may_have_it_in_query(const Request& request) const;
     std::string token_of(const Request& request) const;
     std::string cookie_name(const Door& door) const;
-    ano::Duration count_wrong(const Door& door, ano::TimePoint now);
+    ano::Duration count_wrong_cookie(std::string_view token, const Door& door, ano::TimePoint now);
+    ano::Duration count_wrong(const Door& door, ano::TimePoint now, std::size_t token = 0);    // as Attempts::failed()
     std::optional<Access> access_of_known(std::string_view token) const;
     bool is_listed(std::string_view origin) const;
     bool is_own_name(std::string_view host, const Door& door) const;

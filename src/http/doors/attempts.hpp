@@ -21,7 +21,10 @@ public:
         std::uint64_t unlogged = 0;    // clients before it that were not logged
         bool is_last = false;          // further clients are not logged within this minute
     };
-    News failed(const std::string& peer, ano::TimePoint now);
+    /// `token`: a hash of the wrong token if knows() may be called for it; 0: none.
+    News failed(const std::string& peer, ano::TimePoint now, std::size_t token = 0);
+    /// Whether the token is one of the newest failures of `peer`.
+    bool knows(const std::string& peer, std::size_t token) const;
     /// Number of clients that were slowed down, each counted at its first time.
     std::uint64_t slowed() const noexcept { return slowed_; }
 
@@ -29,8 +32,12 @@ public:
     static constexpr ano::Duration window = std::chrono::minutes{1};
 
 private:
+    struct Failure {
+        ano::TimePoint at;
+        std::size_t token = 0;    // see failed()
+    };
     struct Client {
-        std::deque<ano::TimePoint> failures;    // the newest max_failures
+        std::deque<Failure> failures;    // the newest max_failures
         bool was_slowed = false;
     };
     News news(ano::TimePoint now);

@@ -246,13 +246,22 @@ TEST(Admission, treats_a_wrong_token_in_a_cookie_like_no_token_and_clears_it) {
     Admission admission = admission_with(rules);
     const Field right{"Cookie", "anogate-8088-12ab34cd=" + acts};
     Request stale = asked({host, {"Cookie", "anogate-8088-12ab34cd=" + std::string(20, 'x')}});
+    int told = 0;
+    admission.on_guessing([&](const std::string&, const Attempts::News&) { ++told; });
     for (int i = 0; i < 20; ++i) EXPECT_EQ(judged(admission, stale), open);
     EXPECT_EQ(*admission.judge(stale, {}), Access::open);
     ASSERT_TRUE(stale.also);
     EXPECT_EQ(stale.also->value, "anogate-8088-12ab34cd=; HttpOnly; SameSite=Strict; Path=/; Max-Age=0");
-    EXPECT_EQ(admission.wrong_tokens(), 21u);
-    EXPECT_GT(stale.slowed, ano::Duration{}) << "what needs a token gets 429";
-    EXPECT_EQ(judged(admission, asked({host, {"Authorization", "Bearer wrong"}})), -429) << "they count with all others";
+    EXPECT_EQ(admission.wrong_tokens(), 1u) << "the same one again is no further guess";
+    EXPECT_EQ(stale.slowed, ano::Duration{});
+    EXPECT_EQ(told, 0);
+    for (const std::string target : {"/login", "/logout"}) {
+        Request leaving = asked({host, {"Cookie", "anogate-8088-12ab34cd=other"}});
+        leaving.target = target;
+        EXPECT_EQ(*admission.judge(leaving, {}), Access::open);
+        EXPECT_FALSE(leaving.also) << target << ": the response itself sets the cookie";
+    }
+    EXPECT_EQ(admission.wrong_tokens(), 1u);
     Request kept = asked({host, right});
     EXPECT_EQ(*admission.judge(kept, {}), Access::control);
     EXPECT_FALSE(kept.also);
@@ -261,6 +270,24 @@ TEST(Admission, treats_a_wrong_token_in_a_cookie_like_no_token_and_clears_it) {
     Request login = asked({host, right});
     login.target = "/login";
     EXPECT_EQ(judged(admission, login), open) << "whoever signs in has no token yet";
+}
+
+TEST(Admission, counts_each_different_wrong_token_in_cookies_as_a_guess) {
+    Admission admission = admission_with();
+    const auto slowed = [&](const std::string& cookies) {
+        Request request = asked({host, {"Cookie", cookies}});
+        EXPECT_EQ(*admission.judge(request, {}), Access::open);
+        return request.slowed > ano::Duration{};
+    };
+    std::string nine;
+    for (int i = 0; i < 9; ++i) nine += "anogate-8088=guess" + std::to_string(i) + "; ";
+    EXPECT_FALSE(slowed(nine)) << "in one request";
+    EXPECT_EQ(admission.wrong_tokens(), 9u);
+    EXPECT_FALSE(slowed("anogate-8088=guess9"));
+    EXPECT_TRUE(slowed("anogate-8088=guess10"));
+    EXPECT_FALSE(slowed("anogate-8088=guess9")) << "known to be wrong";
+    EXPECT_EQ(judged(admission, asked({host, {"Authorization", "Bearer wrong"}})), -429) << "they count with all others";
+    EXPECT_EQ(judged(admission, asked({host, {"Cookie", "anogate-8088=guess; anogate-8088=" + acts}})), control);
 }
 
 TEST(Admission, recognizes_pages_of_other_sites) {
