@@ -53,7 +53,7 @@ TEST(Info, shows_the_contents_of_a_recording) {
     EXPECT_EQ(said.exit, 0) << said.err;
     for (const char* words : {"pcapng of anoctl 0.1.0", "4 frames in 2.0 s",
                               "7 frames are missing: the buffer of the gateway was full: euler 4, power 3",
-                              "fc    serial   3    0        1  limited 1", "0x03  euler         2      1.00     30  0xDC"})
+                              "fc    serial   3    0        1  limited 1", "0x03  euler         2        1.00     30  0xDC"})
         EXPECT_NE(said.out.find(words), std::string::npos) << words << "\n" << said.out;
     const json told = json::parse(anoctl({"info", "--json", "-"}, flight()).out);
     EXPECT_EQ(told["frames"], 4);
