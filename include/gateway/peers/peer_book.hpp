@@ -55,9 +55,10 @@ public:
     static constexpr std::uint32_t enough_refusals = 3;
     static constexpr Duration refused_for = std::chrono::seconds{5};
 
-    /// The minimum time for which the newest host that sends commands keeps its place, so that a flood of such hosts causes
-    /// little work.
+    /// Hosts that send commands replace each other once in this time on average, and turns_at_once times without a pause, so that
+    /// a flood of such hosts causes little work, but no command is refused because others arrived at the same time.
     static constexpr Duration turn = std::chrono::microseconds{500};
+    static constexpr int turns_at_once = 32;
     /// Frames within this time belong to one exchange.
     static constexpr Duration exchange = std::chrono::seconds{1};
 
@@ -75,8 +76,9 @@ public:
     /// - Programs of this machine replace each other, the longest silent first, but one that sent once does not replace one that
     ///   sent again.
     /// - Peers of a lower rank do not use places that are reserved for a higher rank.
-    /// - If places are reserved, a host that sends a command always gets one. It replaces the newest peer that sent commands, so
-    ///   that many such hosts take turns, and the older ones stay.
+    /// - If places are reserved, a host that sends a command gets one, unless all turns are used. Of the two peers that sent
+    ///   commands and joined last, it replaces the one that commands less often (the time between its last two commands, or since
+    ///   the last, is longer), else the newest. Many such hosts take turns, one that commands more often stays, as do older ones.
     Place place_for(const Endpoint& stranger, TimePoint now, Rank rank = Rank::ordinary);
 
     /// `near`: it is in a network of our interfaces. It counts as received at `now`, since its first frame may be reported a
@@ -84,8 +86,8 @@ public:
     void add(ChannelId id, const Endpoint& endpoint, bool near, TimePoint now, Rank rank = Rank::ordinary);
     /// Another datagram of the peer was received.
     void came(ChannelId id) noexcept { peer(id).once = false; }
-    /// The peer is a host and sent a command.
-    void commanded(ChannelId id) noexcept { peer(id).rank = std::max(peer(id).rank, Rank::commands); }
+    /// The peer is a host and sent a command. Several at the same time count as one.
+    void commanded(ChannelId id, TimePoint now) noexcept;
     Rank rank(ChannelId id) const noexcept { return peer(id).rank; }
     void remove(ChannelId id) { used_.erase(id); }
     void clear() { used_.clear(); }
@@ -127,7 +129,8 @@ private:
         bool has_returned = false;     // more than one exchange
         std::uint32_t refusals = 0;    // since its last frame
         TimePoint first_refused_at{};
-        bool is_gone = false;    // concluded from refusals
+        bool is_gone = false;                            // concluded from refusals
+        TimePoint commanded_at{}, commanded_before{};    // its last command and the one before
     };
 
     // An unknown sender for which there was no place.
@@ -139,13 +142,22 @@ private:
     static constexpr std::size_t max_rejected = 64;
     static constexpr std::size_t max_rejected_of_address = 2;
 
+    // A peer that lost its place to another host that sends commands.
+    struct Displaced {
+        Endpoint endpoint;
+        TimePoint commanded_at{};
+    };
+    static constexpr std::size_t max_displaced = 64;
+
     std::size_t places_of(const IpAddress& address) const noexcept;
     bool keeps_retrying(const Endpoint& stranger, TimePoint now);
     const Peer& peer(ChannelId id) const noexcept { return peers_[index(id)]; }
     Peer& peer(ChannelId id) noexcept { return peers_[index(id)]; }
     bool has_free_place(Rank rank) const noexcept;
     bool may_be_evicted(const Peer& p, Rank to) const noexcept;
-    std::optional<ChannelId> last_that_commands(TimePoint now) const noexcept;
+    std::optional<ChannelId> replaced_by_command(TimePoint now) noexcept;
+    bool takes_turn(TimePoint now) noexcept;
+    void remember_displaced(const Peer& p) noexcept;
     std::size_t count(Rank at_least) const noexcept;
     bool may_listen(const Peer& p) const noexcept { return p.near && p.is_host; }
     bool is_silent(const Peer& p, TimePoint now) const noexcept { return now - p.heard_at >= options_.timeout; }
@@ -163,6 +175,8 @@ private:
     std::array<Peer, max_channels> peers_;
     ChannelSet used_;
     std::array<RejectedSender, max_rejected> rejected_;
+    std::array<Displaced, max_displaced> displaced_;
+    TimePoint turns_used_until_{};
 };
 
 /// Whether a source address can be a peer's: not broadcast, multicast or 0.0.0.0, and not port 0. `own`: our networks.

@@ -2,6 +2,7 @@
 #include <gateway/peers/peer_book.hpp>
 
 #include <algorithm>
+#include <utility>
 
 namespace anogate {
 
@@ -23,15 +24,53 @@ PeerBook::Place PeerBook::place_for(const Endpoint& stranger, TimePoint now, Ran
         if (!is_evictable && !is_of_us) continue;
         if (!longest_silent || p.heard_at < peer(*longest_silent).heard_at) longest_silent = id;
     }
-    if (!longest_silent && rank == Rank::commands && !address_full && options_.kept > 0) longest_silent = last_that_commands(now);
+    if (!longest_silent && rank == Rank::commands && !address_full && options_.kept > 0)
+        longest_silent = replaced_by_command(now);
     return {longest_silent.has_value(), longest_silent};
 }
 
-std::optional<ChannelId> PeerBook::last_that_commands(TimePoint now) const noexcept {
-    std::optional<ChannelId> last;
-    for (const ChannelId id : used_)
-        if (peer(id).rank == Rank::commands && (!last || peer(id).exchange_began >= peer(*last).exchange_began)) last = id;
-    return last && now - peer(*last).exchange_began >= turn ? last : std::nullopt;
+std::optional<ChannelId> PeerBook::replaced_by_command(TimePoint now) noexcept {
+    std::optional<ChannelId> last, before;    // of those that joined
+    const auto joined_later = [&](ChannelId id, const std::optional<ChannelId>& than) {
+        return !than || peer(id).exchange_began >= peer(*than).exchange_began;
+    };
+    for (const ChannelId id : used_) {
+        if (peer(id).rank != Rank::commands) continue;
+        if (joined_later(id, last)) before = std::exchange(last, id);
+        else if (joined_later(id, before)) before = id;
+    }
+    if (!last || !takes_turn(now)) return std::nullopt;
+    const auto between_commands = [&](const Peer& p) {
+        return std::max(p.commanded_at - p.commanded_before, now - p.commanded_at);
+    };
+    if (before && between_commands(peer(*before)) > between_commands(peer(*last))) last = before;
+    remember_displaced(peer(*last));
+    return last;
+}
+
+bool PeerBook::takes_turn(TimePoint now) noexcept {
+    const TimePoint until = std::max(turns_used_until_, now) + turn;
+    if (until > now + turns_at_once * turn) return false;
+    turns_used_until_ = until;
+    return true;
+}
+
+void PeerBook::remember_displaced(const Peer& p) noexcept {
+    Displaced* row = displaced_.data();
+    for (Displaced& displaced : displaced_) {
+        if (displaced.endpoint == p.endpoint) {
+            row = &displaced;
+            break;
+        }
+        if (displaced.commanded_at < row->commanded_at) row = &displaced;
+    }
+    *row = {p.endpoint, p.commanded_at};
+}
+
+void PeerBook::commanded(ChannelId id, TimePoint now) noexcept {
+    Peer& p = peer(id);
+    p.rank = std::max(p.rank, Rank::commands);
+    if (now > p.commanded_at) p.commanded_before = std::exchange(p.commanded_at, now);
 }
 
 bool PeerBook::has_free_place(Rank rank) const noexcept {
@@ -91,6 +130,8 @@ void PeerBook::add(ChannelId id, const Endpoint& endpoint, bool near, TimePoint 
     peer(id).rank = rank;
     peer(id).heard_at = now;
     peer(id).exchange_began = now;
+    for (const Displaced& displaced : displaced_)
+        if (displaced.endpoint == endpoint) peer(id).commanded_at = displaced.commanded_at;
 }
 
 void PeerBook::heard(ChannelId id, std::uint8_t source, TimePoint now) noexcept {
@@ -113,7 +154,7 @@ void PeerBook::remember(ChannelId id, const Memory& memory) noexcept {
     p.is_host = memory.is_host;
     p.has_returned = memory.has_returned;
     p.once = memory.once;
-    if (memory.commands) commanded(id);
+    if (memory.commands) commanded(id, memory.heard_at);
 }
 
 bool PeerBook::refused(ChannelId id, TimePoint now) noexcept {

@@ -191,7 +191,7 @@ void UdpListenLink::receive(Peer& peer, ano::FrameView frame, TimePoint now) {
         return;
     }
     book_.heard(peer.channel.id, frame.source(), now);
-    if (is_command_of_host(frame)) book_.commanded(peer.channel.id);
+    if (is_command_of_host(frame)) book_.commanded(peer.channel.id, now);
     if (!ano::address::is_host(frame.source())) ask_suspect(peer, now);
     if (peer.far && peer.far->heard(frame, now)) return;
     deliver(peer.channel, peer.endpoint, frame);
