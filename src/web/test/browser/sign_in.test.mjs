@@ -94,8 +94,8 @@ test("digits sign a phone in; wrong ones say what to do", options, async () => {
     await page.click(".login button");
   };
   await enter(digits === "000000" ? "000001" : "000000");
-  await outcome(page, ".login [role=alert]", /wrong or no longer valid\. They become void after three wrong attempts/);
-  assert.match(await textOf(page, ".login p"), /sudo anoctl web --pair/);
+  await outcome(page, ".login [role=alert]", /wrong or no longer valid\. They become void after three wrong attempts.*without sudo if you started anogated yourself/);
+  assert.match(await textOf(page, ".login p"), /sudo anoctl web --pair.*Leave out “sudo” if you started anogated yourself/);
   assert.ok((await wider(page)) <= 0);
   await shot(page, "digits-390");
   await enter(`${digits.slice(0, 3)} ${digits.slice(3)}`);
