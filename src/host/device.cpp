@@ -469,7 +469,7 @@ TimePoint Device::line_is_free_at() const noexcept {
 }
 
 // Flushes before `next` if that is needed and allowed now. Only a second try waits until it is allowed; a command never does. A
-// flush for another request meanwhile serves `next` as well, so it waits only once.
+// flush for another request meanwhile serves `next` as well, so it waits only once. The question before a command is never prolonged.
 bool Device::waits_for_flush(Exchange& next, TimePoint now) {
     if (!flush_ || !may_be_deaf_to(next)) return false;
     const Flush flush = flush_(next.frame());
@@ -479,7 +479,8 @@ bool Device::waits_for_flush(Exchange& next, TimePoint now) {
                           flush.later <= next.wait_for_answer(round_trip_, this_send(next));
     if (may_wait && next.keep(now, flush.later)) return true;
     const bool goes_on = !next.was_sent() && next.asker() == heard_asker_ && heard_send_ == sends_;
-    if (!next.is_once() && !goes_on)
+    const bool is_for_command = next.asker() == &identification_ && identifies_for_command_;
+    if (!next.is_once() && !goes_on && !is_for_command)
         next.flush_at(now + std::max(flush.later, RoundTrip::first));    // its answer may arrive before
     return false;
 }

@@ -57,6 +57,8 @@ public:
         return *fakes.back();
     }
 
+    std::optional<Duration> flush_takes;    // zero bytes are sent, at most once a second
+    std::optional<TimePoint> flushed_at;
     TimePoint now() override { return time; }
     anogate::Unsent send(ano::FrameView frame) override {
         if (const auto why = refuses.find(frame.id()); why != refuses.end()) return {why->second};
@@ -67,7 +69,11 @@ public:
     }
     ano::Flush flush_parser(ano::FrameView next) override {
         flushed_before.emplace_back(next.bytes().begin(), next.bytes().end());
-        return {};
+        if (!flush_takes) return {};
+        const Duration later = flushed_at ? *flushed_at + 1s - time : Duration::zero();
+        if (later > Duration::zero()) return {.later = later};
+        flushed_at = time;
+        return {.busy = *flush_takes};
     }
     bool is_waiting(std::uint8_t) override { return time < queued_until; }
     std::string accepts_nothing(std::uint8_t) override { return stopped; }

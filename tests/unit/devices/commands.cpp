@@ -707,6 +707,36 @@ TEST_F(CommandRoutes, actions_are_acknowledged) {
 }
 
 // The service first listens long enough to learn whether the device flies.
+// Telemetry paused and returned: the gateway asks for the device info too.
+TEST_F(CommandRoutes, are_sent_within_600_ms_to_a_device_that_no_longer_answers_info_requests) {
+    net.flush_takes = 27ms;
+    net.ask("GET", "/devices/0xDC/parameters");
+    net.ask("GET", "/devices/0xDC/commands");
+    const auto telemetry = [&](int count) {
+        for (int i = 0; i < count; ++i) {
+            net.pass(50ms);
+            net.passes(frame(0xDC, 0xFF, 0x03, {0, 0, 0, 0, 0, 0, 0}));
+        }
+    };
+    for (const bool is_by_cid : {false, true}) {
+        SCOPED_TRACE(is_by_cid);
+        fake.instead = nullptr;
+        net.ask("POST", "/devices/0xDC/commands/LAND");
+        telemetry(100);
+        fake.instead = [](ano::FrameView f) {
+            return f.id() == 0xE0 && f.data()[0] == 0 ? std::optional{std::vector<Bytes>{}} : std::nullopt;
+        };
+        net.pass(800ms);
+        telemetry(6);
+        const std::size_t before = calls();
+        const TimePoint asked_at = net.now();
+        const auto land = is_by_cid ? net.asked("POST", "/devices/0xDC/commands/by-cid", R"({"cid": [1, 0, 2]})")
+                                    : net.asked("POST", "/devices/0xDC/commands/LAND");
+        while (calls() == before && net.now() - asked_at < 3s) telemetry(1);
+        EXPECT_LE(net.now() - asked_at, 650ms);
+    }
+}
+
 TEST_F(CommandRoutes, do_not_wait_for_other_jobs) {
     net.ask("GET", "/devices/0xDC/commands");
     for (const std::string action : {"restore_defaults", "save"}) {
