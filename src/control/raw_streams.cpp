@@ -27,6 +27,7 @@ constexpr std::uint16_t going_away = 1001, policy_violation = 1008;    // close 
 template <class Links>
 std::string unknown_link(const std::string& name, const Links& links) {
     std::vector<std::string_view> known;
+    known.reserve(std::size(links));
     for (const LinkState& state : links) known.push_back(state.link->name());
     std::string text = "unknown link " + in_quotes(name) + ano::did_you_mean(name, known);
     for (std::size_t i = 0; i < known.size(); ++i) text.append(i == 0 ? "; links: " : ", ").append(known[i]);

@@ -65,7 +65,7 @@ constexpr auto v7_rows() {
         v7_row<Settings, std::string, &V::acc, fault_of_v7_acceleration>(
             {.name = "v7_acc",
              .form = Form::text,
-             .help = "the unit of the device's accelerometer: a number is 1 g; lx is 1365.33, flow is 2048, cmss is cm/s² with a "
+             .help = "the unit of the device's accelerometer: a number is 1 g; lx: 1365.33; flow: 2048; cmss: cm/s², and the "
                      "gyroscope in °/s; keep changes nothing (default: after v7_device)",
              .min = 1,
              .max = 16,
@@ -79,8 +79,8 @@ constexpr auto v7_rows() {
         v7_row<Settings, std::vector<ByteRange>, &V::down, fault_of_v7_down>(
             {.name = "v7_down",
              .form = Form::frames,
-             .help = "the frames that may be sent to the device, never 0x01-0x0F, 0x20, 0x21 (default: 0x00+0x30+0x32-0x34+"
-                     "0x40+0x41+0x51+0x60+0x61+0xA0+0xC0+0xE0+0xE1+0xF1-0xFA)"}),
+             .help = "the frames that may be sent to the device, never 0x01-0x0F, 0x20, 0x21 (default: 0x00, 0x30, 0x32-0x34, "
+                     "0x40, 0x41, 0x51, 0x60, 0x61, 0xA0, 0xC0, 0xE0, 0xE1, 0xF1-0xFA)"}),
         choice<own_settings, v7, &V::ack>("v7_ack", "device|sent",
                                           "who acknowledges commands; sent: the gateway, once the command is sent, for devices "
                                           "that never acknowledge"),

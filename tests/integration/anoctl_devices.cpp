@@ -44,7 +44,7 @@ TEST_F(AnoctlDevices, parameters_are_listed_read_and_written) {
     const Ran list = anoctl({"param", "list"});
     EXPECT_EQ(list.exit, 0) << list.output;
     EXPECT_TRUE(contains(list.output, "SIM_HEIGHT")) << list.output;
-    EXPECT_TRUE(contains(list.output, "where it hovers")) << list.output;
+    EXPECT_TRUE(contains(list.output, "hover height, cm")) << list.output;
     const Ran all = anoctl({"param", "get", "--all", "--json"});
     EXPECT_EQ(all.exit, 0);
     const auto rows = lines_of(all.output);

@@ -62,7 +62,7 @@ std::span<const Subcommand> subcommands() noexcept {
         {"terminal", "Show the raw bytes of a link of the running gateway, and send lines to it", add_terminal, "Watching",
          "  anoctl terminal fc --end lf\n"},
         {"top", "Show the channels and addresses of the running gateway, live", add_top, "Watching", ""},
-        {"record", "Record the frames of the running gateway as pcapng (for Wireshark) or MCAP", add_record, "Recordings",
+        {"record", "Record the frames of the running gateway as pcapng, which Wireshark reads, or MCAP", add_record, "Recordings",
          "  anoctl record flight.mcap\n  anoctl record errors.pcapng --direction dropped --seconds 60\n"},
         {"recordings", "List, start, end, download and delete recordings made by the gateway", add_recordings, "Recordings",
          "  anoctl recordings start test\n  anoctl recordings end test\n  anoctl recordings get test.pcapng\n"},
