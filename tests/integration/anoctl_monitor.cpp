@@ -128,9 +128,10 @@ TEST(AnoctlMonitor, prints_json_of_the_frames_that_pass_the_filters) {
 
 TEST(AnoctlMonitor, shows_the_frames_of_udp_peers) {
     Monitor monitor{{"udp-listen:127.0.0.1:0", "--count", "2"}};
-    ASSERT_TRUE(monitor.prints("port ")) << monitor.err();
+    const std::string before_port = "at 127.0.0.1:";
+    ASSERT_TRUE(monitor.prints(before_port)) << monitor.err();
     const std::string said = monitor.err();
-    const auto port = static_cast<std::uint16_t>(std::stoi(said.substr(said.find("port ") + 5)));
+    const auto port = static_cast<std::uint16_t>(std::stoi(said.substr(said.find(before_port) + before_port.size())));
     support::UdpPeer one;
     support::UdpPeer other;
     ASSERT_TRUE(one.send(port, euler));
@@ -143,9 +144,11 @@ TEST(AnoctlMonitor, shows_the_frames_of_udp_peers) {
 TEST(AnoctlMonitor, shows_the_frames_of_one_udp_peer) {
     support::UdpPeer peer;
     Monitor monitor{{"udp:127.0.0.1:" + std::to_string(peer.port()) + ",bind=127.0.0.1:0", "--count", "1"}};
-    ASSERT_TRUE(monitor.prints("port ")) << monitor.err();
+    const std::string before_port = "from 127.0.0.1:";
+    ASSERT_TRUE(monitor.prints(before_port)) << monitor.err();
     const std::string said = monitor.err();
-    ASSERT_TRUE(peer.send(static_cast<std::uint16_t>(std::stoi(said.substr(said.find("port ") + 5))), euler));
+    const auto port = static_cast<std::uint16_t>(std::stoi(said.substr(said.find(before_port) + before_port.size())));
+    ASSERT_TRUE(peer.send(port, euler));
     EXPECT_EQ(monitor.exit_code(), 0);
     EXPECT_NE(monitor.out().find("euler"), std::string::npos);
 }

@@ -195,16 +195,16 @@ private:
     void flush() override {
         if (!receiver_.flush()) finish_soon();
     }
-    // ", to PEER", ", at ADDRESS" or, of a link without addresses, ": device /dev/ttyUSB0, baud 500000".
+    // ", to PEER from ADDRESS", ", at ADDRESS" or, of a link without addresses, ": device /dev/ttyUSB0, baud 500000".
     static std::string end_points(const LinkFacts& facts) {
-        std::string all;
-        const auto text_of = [](const auto& value) { return std::visit([](const auto& v) { return to_string(v); }, value); };
+        std::string all, peer, address;
         for (const auto& [name, value] : facts) {
-            if (name == "peer") return ", to " + text_of(value);
-            if (name == "address") return ", at " + text_of(value);
-            all.append(all.empty() ? ": " : ", ").append(name).append(" ").append(text_of(value));
+            const std::string text = std::visit([](const auto& v) { return to_string(v); }, value);
+            if (name == "peer") peer = ", to " + text;
+            if (name == "address") address = (peer.empty() ? ", at " : " from ") + text;
+            all.append(all.empty() ? ": " : ", ").append(name).append(" ").append(text);
         }
-        return all;
+        return peer.empty() && address.empty() ? all : peer + address;
     }
     void link_up(Link& link) override {
         for (const auto& open : channels_)
