@@ -65,8 +65,8 @@ constexpr auto v7_rows() {
         v7_row<Settings, std::string, &V::acc, fault_of_v7_acceleration>(
             {.name = "v7_acc",
              .form = Form::text,
-             .help = "the unit of the device's accelerometer: a number is 1 g; lx: 1365.33; flow: 2048; cmss: cm/s², and the "
-                     "gyroscope in °/s; keep changes nothing (default: after v7_device)",
+             .help = "the unit of the device's accelerometer: a number is 1 g; lx: 1365.33; flow: 2048; cmss: cm per second "
+                     "squared, and the gyroscope in degrees per second; keep changes nothing (default: after v7_device)",
              .min = 1,
              .max = 16,
              .stands_for = "lx|flow|cmss|keep|NUMBER"}),
