@@ -21,7 +21,10 @@ void write(spdlog::logger& log, const LogQueue::Batch& batch) {
 
 }    // namespace
 
-LogWriter::LogWriter(Open open) : thread_{begin_thread([shared = shared_, open = std::move(open)] { run(*shared, open); })} {}
+LogWriter::LogWriter(Open open, std::chrono::milliseconds finish_patience)
+    : finish_patience_{finish_patience}, thread_{begin_thread([shared = shared_, open = std::move(open)] {
+          run(*shared, open);
+      })} {}
 
 // Retries for lack of memory until the program ends; then returns nullptr.
 std::shared_ptr<spdlog::logger> LogWriter::opened(Shared& shared, const Open& open) {
@@ -79,7 +82,7 @@ bool LogWriter::finish() {
     change([](Shared& s) { s.ending = true; });
     {
         std::unique_lock lock{shared_->mutex};
-        finished_ = shared_->changed.wait_for(lock, patience, [&] { return shared_->ended; });
+        finished_ = shared_->changed.wait_for(lock, finish_patience_, [&] { return shared_->ended; });
     }
     if (finished_) thread_.join();
     else thread_.detach();

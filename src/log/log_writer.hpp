@@ -24,8 +24,8 @@ public:
     /// Called in the thread, where it may block. Called again if it throws std::bad_alloc; it must not throw any other exception.
     using Open = std::function<std::shared_ptr<spdlog::logger>()>;
 
-    /// Throws std::system_error if a thread can't be started.
-    explicit LogWriter(Open open);
+    /// `finish_patience`: how long finish() waits. Throws std::system_error if a thread can't be started.
+    explicit LogWriter(Open open, std::chrono::milliseconds finish_patience = patience);
     ~LogWriter() override { finish(); }
     LogWriter(const LogWriter&) = delete;
     LogWriter& operator=(const LogWriter&) = delete;
@@ -34,7 +34,7 @@ public:
     void print_lines(std::string_view text) noexcept;
     /// Counts a line that could not be created.
     void lose() noexcept;
-    /// Waits until all messages are written, at most `patience`. False: the thread stays blocked and holds locks, perhaps that of
+    /// Waits until all messages are written, at most `finish_patience`. False: the thread stays blocked and holds locks, perhaps that of
     /// stderr, so that only _exit() reliably ends the program.
     bool finish();
 
@@ -57,6 +57,7 @@ private:
     void change(Change change) noexcept;
 
     std::shared_ptr<Shared> shared_ = std::make_shared<Shared>();
+    std::chrono::milliseconds finish_patience_;
     std::thread thread_;
     bool finished_ = false;
 };

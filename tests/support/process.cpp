@@ -24,6 +24,7 @@ Process::Process(const std::string& program, std::vector<std::string> arguments,
     if (pid_ < 0) std::abort();    // a signal to -1 would reach all processes
     if (pid_ == 0) {
         ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+        ::signal(SIGPIPE, SIG_DFL);
         ::dup2(pipe[1], STDERR_FILENO);
         ::dup2(pipe[1], STDOUT_FILENO);
         for (const std::string& e : environment) ::putenv(const_cast<char*>(e.c_str()));

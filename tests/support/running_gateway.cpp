@@ -3,6 +3,7 @@
 #include <daemon/command_line.hpp>
 #include <status/status.hpp>
 
+#include <csignal>
 #include <stdexcept>
 #include <utility>
 
@@ -33,6 +34,7 @@ RunningGateway::RunningGateway(std::unique_ptr<Loop> own, anogate::Settings sett
     own_loop_ = std::move(own);
 }
 RunningGateway::RunningGateway(Loop& loop, anogate::Settings settings) : loop_{loop}, gateway_{loop.io, std::move(settings)} {
+    std::signal(SIGPIPE, SIG_IGN);    // as anogated does
     gateway_.start([this](const std::string& name) { missing_ = name; });
 }
 RunningGateway::RunningGateway(Loop& loop, std::vector<std::string> links)

@@ -39,10 +39,15 @@ private:
     std::vector<std::string> lines_;
 };
 
+constexpr std::chrono::milliseconds enough = 60s;    // on any computer
+
 struct Log {
+    explicit Log(std::chrono::milliseconds finish_patience = enough)
+        : writer{std::make_shared<LogWriter>([gate = gate] { return std::make_shared<spdlog::logger>("behind", gate); },
+                                             finish_patience)} {}
+
     std::shared_ptr<Gate> gate = std::make_shared<Gate>();
-    std::shared_ptr<LogWriter> writer = std::make_shared<LogWriter>(
-        [gate = gate] { return std::make_shared<spdlog::logger>("behind", gate); });
+    std::shared_ptr<LogWriter> writer;
     spdlog::logger front{"front", writer};
 };
 
@@ -61,9 +66,10 @@ TEST(LogWriter, leaves_signals_to_the_thread_of_the_loop) {
     sigset_t blocked;
     sigemptyset(&blocked);
     LogWriter writer{[&] {
-        ::pthread_sigmask(SIG_SETMASK, nullptr, &blocked);
-        return std::make_shared<spdlog::logger>("behind");
-    }};
+                         ::pthread_sigmask(SIG_SETMASK, nullptr, &blocked);
+                         return std::make_shared<spdlog::logger>("behind");
+                     },
+                     enough};
     EXPECT_TRUE(writer.finish());
     for (const int signal : {SIGTERM, SIGHUP, SIGUSR1, SIGTTOU}) EXPECT_EQ(sigismember(&blocked, signal), 1) << signal;
 }
@@ -89,15 +95,16 @@ TEST(LogWriter, reports_lost_lines_where_they_are_missing) {
 }
 
 TEST(LogWriter, waits_only_for_a_limited_time_at_the_end) {
-    Log log;
+    const std::chrono::milliseconds finish_patience = 1s;
+    Log log{finish_patience};
     log.front.info("nobody takes this");
     const auto begin = std::chrono::steady_clock::now();
     EXPECT_FALSE(log.writer->finish());
-    EXPECT_GE(std::chrono::steady_clock::now() - begin, LogWriter::patience);
+    EXPECT_GE(std::chrono::steady_clock::now() - begin, finish_patience);
     log.front.info("nor this");
     const auto again = std::chrono::steady_clock::now();
     EXPECT_FALSE(log.writer->finish());
-    EXPECT_LT(std::chrono::steady_clock::now() - again, LogWriter::patience) << "it waits once";
+    EXPECT_LT(std::chrono::steady_clock::now() - again, finish_patience) << "it waits once";
     log.gate->open(2);    // so that the thread ends
 }
 
@@ -106,11 +113,13 @@ TEST(LogWriter, without_memory_at_first_the_log_is_opened_later) {
     gate->open(1);
     std::binary_semaphore opened{0};
     int tries = 0;
-    const auto writer = std::make_shared<LogWriter>([&] {
-        if (++tries < 3) throw std::bad_alloc{};
-        opened.release();
-        return std::make_shared<spdlog::logger>("behind", gate);
-    });
+    const auto writer = std::make_shared<LogWriter>(
+        [&] {
+            if (++tries < 3) throw std::bad_alloc{};
+            opened.release();
+            return std::make_shared<spdlog::logger>("behind", gate);
+        },
+        enough);
     spdlog::logger{"front", writer}.info("early");
     opened.acquire();
     EXPECT_TRUE(writer->finish());
@@ -118,7 +127,7 @@ TEST(LogWriter, without_memory_at_first_the_log_is_opened_later) {
 }
 
 TEST(LogWriter, finishes_even_without_any_memory) {
-    LogWriter writer{[]() -> std::shared_ptr<spdlog::logger> { throw std::bad_alloc{}; }};
+    LogWriter writer{[]() -> std::shared_ptr<spdlog::logger> { throw std::bad_alloc{}; }, enough};
     EXPECT_TRUE(writer.finish());
 }
 
@@ -126,9 +135,10 @@ TEST(LogWriter, a_log_that_opens_late_contains_earlier_messages) {
     const auto gate = std::make_shared<Gate>();
     std::binary_semaphore there{0};
     LogWriter writer{[&] {
-        there.acquire();
-        return std::make_shared<spdlog::logger>("behind", gate);
-    }};
+                         there.acquire();
+                         return std::make_shared<spdlog::logger>("behind", gate);
+                     },
+                     enough};
     writer.log({"front", spdlog::level::info, "early"});
     gate->open(1);
     there.release();
