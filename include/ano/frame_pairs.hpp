@@ -2,8 +2,8 @@
 // yet. The bytes arrive in pieces, and the LEN of candidates may be large.
 #pragma once
 #include <ano/heard.hpp>
+#include <ano/lazy_array.hpp>
 #include <ano/prefix_sums.hpp>
-#include <ano/room.hpp>
 
 #include <algorithm>
 #include <cstddef>
@@ -54,8 +54,8 @@ private:
     // first in the list. A frame is stored as its size: its distance from begin to end.
     std::size_t max_data_;
     std::size_t mask_;
-    Room<std::uint16_t> ends_;     // by end: the first candidate; after the check the first valid frame
-    Room<std::uint16_t> nexts_;    // by begin: the next candidate with the same end
+    LazyArray<std::uint16_t> ends_;     // by end: the first candidate; after the check the first valid frame
+    LazyArray<std::uint16_t> nexts_;    // by begin: the next candidate with the same end
 
     std::size_t credit_ = max_credit;
     Place origin_ = 0;           // position of the first byte of the buffer

@@ -12,8 +12,8 @@
 #include <ano/frame_pairs.hpp>
 #include <ano/heard.hpp>
 #include <ano/image_length.hpp>
+#include <ano/lazy_array.hpp>
 #include <ano/prefix_sums.hpp>
-#include <ano/room.hpp>
 #include <ano/time.hpp>
 
 #include <cstddef>
@@ -117,7 +117,7 @@ private:
     std::size_t max_image_;         // DATA of an image; at least max_data
     std::size_t capacity_;          // of the buffer, for two of the longest images
     std::size_t usual_capacity_;    // for two of the longest other frames: only images access the part after it
-    Room<std::uint8_t> buffer_;
+    LazyArray<std::uint8_t> buffer_;
     std::size_t pos_ = 0;        // first byte not yet checked
     std::size_t end_ = 0;        // end of the committed bytes
     std::size_t barrier_ = 0;    // the rest of a candidate that begins before this was not received: it ends here
@@ -136,8 +136,8 @@ private:
     TimePoint candidate_since_{};
     TimePoint last_arrival_{};
     V7Matcher v7_;
-    std::size_t v7_budget_ = 0;                   // bytes it may still examine: each commit adds some
-    Room<std::uint8_t> skipped_{kept_skipped};    // a ring: byte N of skipped_bytes is at N % kept_skipped
+    std::size_t v7_budget_ = 0;                        // bytes it may still examine: each commit adds some
+    LazyArray<std::uint8_t> skipped_{kept_skipped};    // a ring: byte N of skipped_bytes is at N % kept_skipped
     ParserCounters counters_;
 };
 

@@ -1,6 +1,6 @@
 // Both checks of any range of a buffer in constant time, after each of its bytes was added once.
 #pragma once
-#include <ano/room.hpp>
+#include <ano/lazy_array.hpp>
 
 #include <cstddef>
 #include <cstdint>
@@ -37,9 +37,9 @@ public:
 private:
     void extend_to(const std::uint8_t* bytes, std::size_t to) noexcept;
 
-    Room<std::uint8_t> sum_;    // sum_[i]: the sum of the bytes before i
-    Room<std::uint8_t> add_;    // add_[i]: the sum of sum_[k + 1] for all k < i
-    Room<std::uint8_t> gap_;    // gap_[i]: sum_[i] minus byte i, the sum before a frame whose SC is at i
+    LazyArray<std::uint8_t> sum_;    // sum_[i]: the sum of the bytes before i
+    LazyArray<std::uint8_t> add_;    // add_[i]: the sum of sum_[k + 1] for all k < i
+    LazyArray<std::uint8_t> gap_;    // gap_[i]: sum_[i] minus byte i, the sum before a frame whose SC is at i
     std::size_t end_ = 0;
 };
 

@@ -9,10 +9,10 @@
 //          set a timer for parser.deadline(); when it is due: if (parser.expire(now)) call next() again
 #pragma once
 #include <ano/frame.hpp>
+#include <ano/lazy_array.hpp>
 #include <ano/messages.hpp>
 #include <ano/prefix_sums.hpp>
 #include <ano/reading.hpp>
-#include <ano/room.hpp>
 #include <ano/schema.hpp>
 #include <ano/time.hpp>
 
@@ -167,7 +167,7 @@ private:
     std::size_t find_good_frame_behind(std::size_t at) const noexcept;
 
     Options options_;
-    Room<std::uint8_t> buffer_;
+    LazyArray<std::uint8_t> buffer_;
     PrefixSums sums_;             // over all committed bytes: checking a candidate takes constant time
     std::size_t pos_ = 0;         // first byte not yet checked
     std::size_t end_ = 0;         // end of the committed bytes

@@ -50,8 +50,8 @@ public:
     const Command& operator[](std::size_t n) const noexcept { return rows_[n]; }
 
     /// Runs the command selected by 0xC0. The acknowledgement is sent after the function has returned.
-    Outcome take(const View<"command">& command, Reply& reply);
-    Outcome take(const View<"command_query">& question, Reply& reply);
+    Outcome process(const View<"command">& command, Reply& reply);
+    Outcome process(const View<"command_query">& question, Reply& reply);
 
 private:
     template <class R, class... A>

@@ -63,10 +63,10 @@ public:
     /// The number of different frames that were written.
     std::size_t written() const noexcept { return written_; }
 
-    Outcome take(const View<"firmware", "info">& info, Reply& reply);
-    Outcome take(const View<"firmware", "image">& frame, Reply& reply);
+    Outcome process(const View<"firmware", "info">& info, Reply& reply);
+    Outcome process(const View<"firmware", "image">& frame, Reply& reply);
     /// Handles "erase" and "all sent"; the other codes are answers. The frames after "erase" are answered in its byte order.
-    Outcome take(const FirmwareCode& code, TimePoint now, Reply& reply);
+    Outcome process(const FirmwareCode& code, TimePoint now, Reply& reply);
 
     /// When the answer to a slow step is due; std::nullopt: none is in progress.
     std::optional<TimePoint> due() const noexcept { return due_; }

@@ -93,10 +93,10 @@ public:
     bool restore_defaults(std::string_view beginning = "");
 
     /// Answers 0xE0 except cmd 0, which requests the device info.
-    Outcome take(const View<"parameter_command">& question, Reply& reply);
-    Outcome take(const View<"parameter_command", "action">& action, Reply& reply);
+    Outcome process(const View<"parameter_command">& question, Reply& reply);
+    Outcome process(const View<"parameter_command", "action">& action, Reply& reply);
     /// Answers 0xE1, which to a device is always a write.
-    Outcome take(const View<"parameter_value">& written, Reply& reply);
+    Outcome process(const View<"parameter_value">& written, Reply& reply);
 
     /// Whether the crash that Profile::crashes_at_the_count simulates has happened: the device no longer answers.
     bool crashed() const noexcept { return crashed_; }

@@ -39,9 +39,9 @@ public:
     void resize(std::size_t count) { list_.resize(count < allowed_ ? count : allowed_); }
     void set(std::size_t number, const Waypoint& waypoint) noexcept { list_[number] = waypoint; }
 
-    Outcome take(const View<"waypoint_read">& question, Reply& reply) const;
+    Outcome process(const View<"waypoint_read">& question, Reply& reply) const;
     /// Answers 0x61, which to a device is always a write.
-    Outcome take(const View<"waypoint">& written, Reply& reply);
+    Outcome process(const View<"waypoint">& written, Reply& reply);
 
 private:
     std::vector<Waypoint> list_;

@@ -23,7 +23,7 @@ struct ClockReading {
 
 /// Detects standstills of the event loop: a running loop sends a beat once in each period. Nothing is known of the time between
 /// two beats, so a standstill may have begun as early as the last turn before it.
-class LoopWatch {
+class StallDetector {
 public:
     /// A beat that is late by more than this shows a standstill. Smaller delays are normal on a busy machine.
     static constexpr ano::Duration lateness = std::chrono::milliseconds{50};
@@ -123,14 +123,14 @@ class Arrival {
 public:
     /// The arrival time by the kernel's stamp, a CLOCK_REALTIME. It is limited to the time between the last read that found the
     /// wire empty and now. If that clock was set in between, the stamp is not used.
-    ano::TimePoint stamped(ano::Duration stamp, const LoopWatch& loop) noexcept {
+    ano::TimePoint stamped(ano::Duration stamp, const StallDetector& loop) noexcept {
         const ClockReading& c = loop.clocks();
         const ano::Duration step = (c.real - c.boot) - (empty_.real - empty_.boot);
         if (step > noticed || step < -noticed) return unstamped(loop);
         return c.now - std::clamp(c.real - stamp, ano::Duration::zero(), std::max(c.boot - empty_.boot, ano::Duration::zero()));
     }
     /// The arrival time without a stamp: now, or after a standstill the earliest time at which the standstill may have begun.
-    ano::TimePoint unstamped(const LoopWatch& loop) noexcept {
+    ano::TimePoint unstamped(const StallDetector& loop) noexcept {
         const ClockReading& c = loop.clocks();
         if (loop.is_behind() && empty_.now < loop.stood_until() && !old_since_)
             old_since_ = std::max(loop.stood_since(), empty_.boot);

@@ -6,7 +6,7 @@
 //          queue.start_plan(); queue.next_planned(), queue.pop_planned() …    // which frames will be sent, in order
 //          queue.next(), queue.take() …                                        // they are sent, in the same order
 #pragma once
-#include <ano/room.hpp>
+#include <ano/lazy_array.hpp>
 #include <gateway/ids.hpp>
 #include <gateway/waiting_frame.hpp>
 
@@ -186,7 +186,7 @@ private:
     Number in_turn(Number ring) noexcept;
 
     WaitingFrame* frames_;
-    ano::Room<Node> nodes_;
+    ano::LazyArray<Node> nodes_;
     std::int32_t quantum_;
     Number used_ = first_flow;    // nodes_[first_flow, used_) have been used as flows
     Number free_ = nobody;        // of those, the free ones

@@ -7,7 +7,7 @@
 #pragma once
 #include <ano/frame.hpp>
 #include <ano/image_length.hpp>
-#include <ano/room.hpp>
+#include <ano/lazy_array.hpp>
 #include <ano/time.hpp>
 #include <gateway/class_shares.hpp>
 #include <gateway/counters.hpp>
@@ -177,8 +177,8 @@ private:
 
     Options options_;
     std::size_t capacity_;    // of the arena: twice Options::bytes, so that compacting is rare
-    ano::Room<std::uint8_t> arena_;
-    ano::Room<WaitingFrame> entries_;
+    ano::LazyArray<std::uint8_t> arena_;
+    ano::LazyArray<WaitingFrame> entries_;
     Index used_ = 0;         // entries_[0, used_) have been used since the outbox was last empty
     Index free_ = none;      // of those, the free ones
     std::size_t end_ = 0;    // where the next frame's bytes go

@@ -5,7 +5,7 @@
 //          if (questions.hear(frame, now)) ...      // every frame from the channel; true: flush it
 //          if (questions.release(now)) ...          // at next_look(); true: flush it
 #pragma once
-#include <ano/room.hpp>
+#include <ano/lazy_array.hpp>
 #include <gateway/fair_queue.hpp>
 #include <gateway/in_flight.hpp>
 #include <gateway/outbox.hpp>
@@ -70,7 +70,7 @@ private:
     std::optional<ChannelId> next_sender() const noexcept;
     bool has_sender_without_question() const noexcept;
     bool is_waiting(ChannelId from) const noexcept { return turns_.first_of(from, 0) != no_frame; }
-    void hand_over(FrameIndex i, ChannelId from) noexcept;
+    void send_restart_state(FrameIndex i, ChannelId from) noexcept;
     void drop(FrameIndex i, SendCause cause) noexcept;
     void forget(FrameIndex i) noexcept;
     void compact() noexcept;
@@ -78,9 +78,9 @@ private:
     Outbox& outbox_;
     InFlight in_flight_;
     Options options_;
-    ano::Room<std::uint8_t> room_;    // twice Options::bytes, so that compacting is rare
-    std::size_t end_ = 0;             // where the bytes of the next question go
-    ano::Room<WaitingFrame> frames_;
+    ano::LazyArray<std::uint8_t> room_;    // twice Options::bytes, so that compacting is rare
+    std::size_t end_ = 0;                  // where the bytes of the next question go
+    ano::LazyArray<WaitingFrame> frames_;
     FrameIndex used_ = 0;              // frames_[0, used_) have been used since the queue was last empty
     FrameIndex free_ = no_frame;       // of those, the free ones
     FrameList in_room_ = no_frames;    // all questions, in the order of their arrival, which is that of their bytes

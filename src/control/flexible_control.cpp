@@ -5,7 +5,7 @@
 #include <log/log_line.hpp>
 #include <runtime/gateway.hpp>
 #include <runtime/kept_parameters.hpp>
-#include <sys/files/kept_file.hpp>
+#include <sys/files/write_atomically.hpp>
 
 #include <nlohmann/json.hpp>
 
@@ -142,7 +142,7 @@ void FlexibleControl::write() {
     const auto fault = std::make_shared<std::string>();
     const auto work = [path = path_, text, fault] {
         *fault = text.empty() ? forget_file(path)
-                              : keep_file(path, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+                              : write_atomically(path, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
     };
     const auto done = [this, fault, callbacks = std::exchange(waiting_, {})](const std::string& thrown) {
         const std::string why = thrown.empty() ? *fault : thrown;

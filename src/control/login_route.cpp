@@ -12,35 +12,38 @@ namespace {
 using Json = nlohmann::ordered_json;
 using http::Access;
 
-http::Response signed_in(const http::Admission& admission, Access access, std::string_view token, const http::Door& door) {
+http::Response signed_in(const http::Admission& admission, Access access, std::string_view token,
+                         const http::ConnectionInfo& connection_info) {
     http::Response response;
     response.body = access == Access::control ? "{\"access\": \"control\"}\n" : "{\"access\": \"view\"}\n";
-    response.headers.push_back(admission.cookie(token, door));
+    response.headers.push_back(admission.cookie(token, connection_info));
     return response;
 }
 
-std::string client(const http::Door& door) { return door.peer.empty() ? "a client of the control socket" : door.peer; }
+std::string client(const http::ConnectionInfo& connection_info) {
+    return connection_info.peer.empty() ? "a client of the control socket" : connection_info.peer;
+}
 
-http::Response login_by_code(http::Admission& admission, SignInCodes& codes, const std::string& code, const http::Door& door,
-                             ano::TimePoint now) {
+http::Response login_by_code(http::Admission& admission, SignInCodes& codes, const std::string& code,
+                             const http::ConnectionInfo& connection_info, ano::TimePoint now) {
     // A client that is slowed down must neither void the digits nor continue guessing.
-    if (const auto slowed = admission.slowed_for(door, now); slowed > ano::Duration{} && SignInCodes::is_digits(code))
-        return admission.refuse_wrong(door, http::slow_down(slowed), now);
+    if (const auto slowed = admission.slowed_for(connection_info, now); slowed > ano::Duration{} && SignInCodes::is_digits(code))
+        return admission.refuse_wrong(connection_info, http::slow_down(slowed), now);
     const SignInCodes::Use use = codes.use(code, now);
     const std::string token = use.access ? admission.token_for(*use.access) : std::string{};
     if (!token.empty()) {
-        log_info("control.http: {} signed in with a one-time code ({})", client(door), text(*use.access));
-        return signed_in(admission, *use.access, token, door);
+        log_info("control.http: {} signed in with a one-time code ({})", client(connection_info), text(*use.access));
+        return signed_in(admission, *use.access, token, connection_info);
     }
     if (use.voids)
         log_warning(
             "control.http: the sign-in digits are void after {} wrong attempts, the last from {}; new ones: anoctl web "
             "--pair",
-            SignInCodes::max_wrong, client(door));
+            SignInCodes::max_wrong, client(connection_info));
     http::Response wrong = http::error(
         401, "this code is wrong, used, expired or void; create a new one with anoctl web --qr or --pair");
     wrong.headers.push_back({"WWW-Authenticate", "Bearer realm=\"anogate\""});
-    return admission.refuse_wrong(door, std::move(wrong), now);
+    return admission.refuse_wrong(connection_info, std::move(wrong), now);
 }
 
 /// The value of `key`, which must be one of two words; the first if it is missing. nullptr: another value.
@@ -59,11 +62,11 @@ http::Response login(http::Admission& admission, SignInCodes& codes, const http:
     const auto& body = std::get<Json>(parsed);
     const auto is_text = [&](const char* key) { return body.is_object() && body.contains(key) && body[key].is_string(); };
     if (is_text("token") == is_text("code")) return http::error(400, R"(the body must be {"token": "..."} or {"code": "..."})");
-    if (is_text("code")) return login_by_code(admission, codes, body["code"], request.door, now);
+    if (is_text("code")) return login_by_code(admission, codes, body["code"], request.connection_info, now);
     const std::string token = body["token"];
-    auto allowed = admission.access_of(token, request.door, now);
+    auto allowed = admission.access_of(token, request.connection_info, now);
     if (!allowed) return std::move(allowed.error());
-    return signed_in(admission, *allowed, token, request.door);
+    return signed_in(admission, *allowed, token, request.connection_info);
 }
 
 http::Response make_code(const http::Admission& admission, SignInCodes& codes, const http::Request& request, ano::TimePoint now) {
@@ -92,7 +95,7 @@ http::Response make_code(const http::Admission& admission, SignInCodes& codes, c
 http::Response logout(const http::Admission& admission, const http::Request& request) {
     http::Response response;
     response.body = "{\"signed_out\": true}\n";
-    response.headers.push_back(admission.no_cookie(request.door));
+    response.headers.push_back(admission.no_cookie(request.connection_info));
     return response;
 }
 

@@ -2,7 +2,7 @@
 #pragma once
 #include <ano/time.hpp>
 #include <control/sign_in_codes.hpp>
-#include <http/doors/admission.hpp>
+#include <http/listeners/admission.hpp>
 
 namespace anogate {
 

@@ -1,5 +1,5 @@
 #include <control/page.hpp>
-#include <http/doors/accept.hpp>
+#include <http/listeners/accept.hpp>
 
 #include <fstream>
 #include <optional>

@@ -46,7 +46,7 @@ http::Response answer_of(const ReloadOutcome& outcome) {
               {"gateway", outcome.difference.gateway},
               {"needs_restart", outcome.difference.needs_restart}};
     json["confirm_within_s"] = outcome.confirm_within ? Json(in_seconds(*outcome.confirm_within)) : Json(nullptr);
-    if (!outcome.door_fault.empty()) json["http_error"] = outcome.door_fault;
+    if (!outcome.listener_fault.empty()) json["http_error"] = outcome.listener_fault;
     return json_response(200, json);
 }
 

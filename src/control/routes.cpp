@@ -100,14 +100,14 @@ http::Response map_answer(TaskPool& disk, const MapSettings& map, const Request&
     return served(disk, request, {.open = [path = map.file] { return open_map(path); }, .type = "application/vnd.pmtiles"});
 }
 
-http::Response metrics_answer(const Request& request, Gateway& gateway, const NetworkDoor& door, DeviceService& devices) {
+http::Response metrics_answer(const Request& request, Gateway& gateway, const ListenerInfo& listener, DeviceService& devices) {
     const MetricsForm form = metrics_form(request.header("Accept"));
     http::Response response;
     response.type = content_type(form);
     MetricsSnapshot snapshot = metrics_snapshot(gateway, gateway.now());
-    snapshot.wrong_tokens = door.wrong_tokens;
-    snapshot.evicted = door.evicted;
-    snapshot.guessing_clients = door.guessing_clients;
+    snapshot.wrong_tokens = listener.wrong_tokens;
+    snapshot.evicted = listener.evicted;
+    snapshot.guessing_clients = listener.guessing_clients;
     for (const ActiveAlarm& alarm : devices.alarms().watch().active(gateway.now()))
         ++(alarm.level == AlarmLevel::red ? snapshot.red_alarms : snapshot.amber_alarms);
     response.body = metrics(std::move(snapshot), form);
@@ -162,16 +162,16 @@ http::Response join_link(Gateway& gateway, const http::Request& request) {
 
 }    // namespace
 
-void add_routes(http::Routes& routes, Gateway& gateway, const std::function<NetworkDoor()>& door, Page page) {
+void add_routes(http::Routes& routes, Gateway& gateway, const std::function<ListenerInfo()>& listener, Page page) {
     const auto streams = std::make_shared<Streams>(gateway);
     const auto disk = std::make_shared<TaskPool>(gateway.io());
     add_page(routes, std::move(page), streams);
     routes.add(
         {"GET", "/status", Access::view,
          "the state of the gateway, its links, routes, conflicts, tunnel and GPIO lines, where it serves HTTP, and lost devices",
-         [&gateway, door, streams](const Request&) {
+         [&gateway, listener, streams](const Request&) {
              const auto lost = lost_json(streams->devices->service());
-             return json(status_json(gateway, door(), &lost));
+             return json(status_json(gateway, listener(), &lost));
          }});
     routes.add({"GET", "/links", Access::view, "only the links of the status",
                 [&gateway](const Request&) { return json(links_json(gateway)); }});
@@ -187,8 +187,8 @@ void add_routes(http::Routes& routes, Gateway& gateway, const std::function<Netw
     routes.add({"GET", "/map.pmtiles", Access::view, "the map of the page (control.map), with ranges",
                 [&gateway, disk](const Request& request) { return map_answer(*disk, gateway.settings().control.map, request); }});
     routes.add({"GET", "/metrics", Access::view, "the counters for Prometheus, as text or as OpenMetrics",
-                [&gateway, door, streams](const Request& request) {
-                    return metrics_answer(request, gateway, door(), streams->devices->service());
+                [&gateway, listener, streams](const Request& request) {
+                    return metrics_answer(request, gateway, listener(), streams->devices->service());
                 }});
     routes.add({"POST", "/gpio", Access::control, "pulses a reset line, or switches power off and on again",
                 in_time(gateway, [&gateway](const Request& request) {

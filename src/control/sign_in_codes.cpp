@@ -1,5 +1,5 @@
 #include <control/sign_in_codes.hpp>
-#include <http/doors/same_token.hpp>
+#include <http/listeners/same_token.hpp>
 #include <sys/random.hpp>
 
 #include <utility>

@@ -1,7 +1,7 @@
 // One-time codes for signing in without a token.
 #pragma once
 #include <ano/time.hpp>
-#include <http/doors/door.hpp>
+#include <http/listeners/connection_info.hpp>
 
 #include <array>
 #include <cstddef>

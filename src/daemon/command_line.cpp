@@ -4,7 +4,7 @@
 #include <config/help.hpp>
 #include <config/hosts_file.hpp>
 #include <config/keys.hpp>
-#include <daemon/check_door.hpp>
+#include <daemon/check_listener.hpp>
 #include <daemon/check_paths.hpp>
 #include <daemon/command_line.hpp>
 #include <daemon/service.hpp>
@@ -227,7 +227,7 @@ std::variant<CommandLine, Exit> parse_command_line(int argc, const char* const* 
     else if (!arguments.print_config) check_control(draft);
     if (arguments.check) {
         warn_of_paths(draft);
-        warn_of_door(draft, for_service);
+        warn_of_listener(draft, for_service);
         const std::vector<Network> own = own_networks();
         check_peers(draft, read_hosts_file("/etc/hosts"), own);
         check_relay(draft, own);

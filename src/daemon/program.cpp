@@ -1,5 +1,5 @@
 #include <config/config.hpp>
-#include <control/control_door.hpp>
+#include <control/control_listeners.hpp>
 #include <control/flexible_control.hpp>
 #include <control/recording_routes.hpp>
 #include <control/reload_routes.hpp>
@@ -12,14 +12,14 @@
 #include <log/log_line.hpp>
 #include <recording/recordings.hpp>
 #include <runtime/gateway.hpp>
-#include <runtime/handover.hpp>
 #include <runtime/kept_parameters.hpp>
 #include <runtime/own_device.hpp>
 #include <runtime/reload.hpp>
+#include <runtime/restart.hpp>
 #include <status/status.hpp>
 #include <sys/files/state_folder.hpp>
+#include <sys/lazy_memory.hpp>
 #include <sys/notify.hpp>
-#include <sys/rooms.hpp>
 #include <sys/ticker.hpp>
 
 #include <csignal>
@@ -83,15 +83,15 @@ public:
             recordings_.configure();
         });
         add_routes(
-            control_.routes(), gateway_, [this] { return control_.network_door(); }, installed_page());
+            control_.routes(), gateway_, [this] { return control_.listener_info(); }, installed_page());
         add_reload_routes(control_.routes(), reload_);
         add_recording_routes(control_.routes(), recordings_);
         flexible_.add_routes(control_.routes());
         flexible_.before_change([this] { recordings_.catch_up(); });
         control_.add_login_routes();
         reload_.on_reloaded([this](const std::function<void(std::string)>& done) { control_.renew(done); });
-        gateway_.go_on_from(receive_handover());
-        gateway_.before_closing([this] { hand_over(gateway_); });
+        gateway_.go_on_from(receive_restart_state());
+        gateway_.before_closing([this] { send_restart_state(gateway_); });
         signals_.add(SIGUSR1);
         hold_signals(SIG_UNBLOCK, {SIGTERM, SIGHUP, SIGUSR1});
     }
@@ -171,7 +171,7 @@ private:
     OwnDevice own_device_;
     FlexibleControl flexible_;
     Recordings recordings_;
-    ControlDoor control_{io_, gateway_.settings().control};
+    ControlListeners control_{io_, gateway_.settings().control};
     asio::signal_set signals_;
     Ticker watchdog_{io_, [] { notify_systemd("WATCHDOG=1"); }};
     Ticker hints_{io_, [this] { log_hints(); }};
@@ -253,7 +253,7 @@ int run(int argc, char** argv) {
 
 // Ends the program if the system refuses memory or the descriptors of the loop, because a retry would not help.
 int run_program(int argc, char** argv) {
-    map_rooms_separately();
+    map_lazy_arrays_separately();
     hold_signals(SIG_BLOCK, {SIGHUP, SIGUSR1});
     let_sigterm_end_at_once();
     int status = 1;

@@ -46,7 +46,7 @@ bool Commands::is_newest() const noexcept {
     });
 }
 
-Outcome Commands::take(const View<"command">& command, Reply& reply) {
+Outcome Commands::process(const View<"command">& command, Reply& reply) {
     const CommandId cid{command.get<"cid0">(), command.get<"cid1">(), command.get<"cid2">()};
     const auto row = std::find_if(rows_.begin(), rows_.end(), [&](const Command& r) { return r.cid == cid; });
     if (row == rows_.end()) return Outcome::unknown;
@@ -73,7 +73,7 @@ bool Commands::values_of(const Command& row, Bytes bytes, FrameView frame) {
     return true;
 }
 
-Outcome Commands::take(const View<"command_query">& question, Reply& reply) {
+Outcome Commands::process(const View<"command_query">& question, Reply& reply) {
     const std::uint16_t val = question.get<"val">();
     switch (question.get<"cmd">()) {
     case query_count: return send_count(question, reply);

@@ -77,13 +77,14 @@ Outcome Device::dispatch(FrameView frame, TimePoint now, Reply& reply) {
     switch (frame.id()) {
     case id_of<"parameter_command">: return parameter_command(frame, reply);
     case id_of<"parameter_value">:
-        return with<"parameter_value">(frame, [&](const auto& written) { return parameters_.take(written, reply); });
-    case id_of<"command">: return with<"command">(frame, [&](const auto& command) { return commands_.take(command, reply); });
+        return with<"parameter_value">(frame, [&](const auto& written) { return parameters_.process(written, reply); });
+    case id_of<"command">: return with<"command">(frame, [&](const auto& command) { return commands_.process(command, reply); });
     case id_of<"command_query">:
-        return with<"command_query">(frame, [&](const auto& question) { return commands_.take(question, reply); });
+        return with<"command_query">(frame, [&](const auto& question) { return commands_.process(question, reply); });
     case id_of<"waypoint_read">:
-        return with<"waypoint_read">(frame, [&](const auto& question) { return waypoints_.take(question, reply); });
-    case id_of<"waypoint">: return with<"waypoint">(frame, [&](const auto& written) { return waypoints_.take(written, reply); });
+        return with<"waypoint_read">(frame, [&](const auto& question) { return waypoints_.process(question, reply); });
+    case id_of<"waypoint">:
+        return with<"waypoint">(frame, [&](const auto& written) { return waypoints_.process(written, reply); });
     case id_of<"firmware">: return firmware_step(frame, now, reply);
     default: return Outcome::unanswered;
     }
@@ -92,12 +93,12 @@ Outcome Device::dispatch(FrameView frame, TimePoint now, Reply& reply) {
 // A firmware frame to all devices is refused: it would erase every device.
 Outcome Device::firmware_step(FrameView frame, TimePoint now, Reply& reply) {
     if (frame.destination() == address::broadcast) return Outcome::refused;
-    if (const auto info = as<"firmware", "info">(frame)) return firmware_.take(*info, reply);
-    if (const auto image = as<"firmware", "image">(frame)) return firmware_.take(*image, reply);
+    if (const auto info = as<"firmware", "info">(frame)) return firmware_.process(*info, reply);
+    if (const auto image = as<"firmware", "image">(frame)) return firmware_.process(*image, reply);
     const auto code = firmware_code_in(frame);
     if (!code) return Outcome::malformed;
     if (code->is_of_frame) return Outcome::unanswered;    // an answer of the loader of another device
-    return firmware_.take(*code, now, reply);
+    return firmware_.process(*code, now, reply);
 }
 
 void Device::end_firmware_step(TimePoint now) {
@@ -107,9 +108,9 @@ void Device::end_firmware_step(TimePoint now) {
 }
 
 Outcome Device::parameter_command(FrameView frame, Reply& reply) {
-    if (const auto action = as<"parameter_command", "action">(frame)) return parameters_.take(*action, reply);
+    if (const auto action = as<"parameter_command", "action">(frame)) return parameters_.process(*action, reply);
     return with<"parameter_command">(frame, [&](const auto& question) {
-        return question.template get<"cmd">() == cmd_info ? send_info(reply) : parameters_.take(question, reply);
+        return question.template get<"cmd">() == cmd_info ? send_info(reply) : parameters_.process(question, reply);
     });
 }
 

@@ -35,7 +35,7 @@ bool Firmware::is_ours(const ImageInfo& info) const {
 }
 
 // A host that starts again replaces one that stopped. A refused image does not change the upgrade in progress.
-Outcome Firmware::take(const View<"firmware", "info">& view, Reply& reply) {
+Outcome Firmware::process(const View<"firmware", "info">& view, Reply& reply) {
     if (flash_.max_size == 0) return Outcome::unknown;
     if (due_) return Outcome::refused;
     const ImageInfo info = info_of(view);
@@ -47,7 +47,7 @@ Outcome Firmware::take(const View<"firmware", "info">& view, Reply& reply) {
     return send_code(reply, info_accepted);
 }
 
-Outcome Firmware::take(const FirmwareCode& code, TimePoint now, Reply& reply) {
+Outcome Firmware::process(const FirmwareCode& code, TimePoint now, Reply& reply) {
     if (flash_.max_size == 0) return Outcome::unknown;
     switch (code.code) {
     case firmware_code::erase: order_ = code.order; return erase(now, reply);
@@ -75,7 +75,7 @@ std::uint16_t Firmware::end_erasing() {
     return done ? erased : erase_failed;
 }
 
-Outcome Firmware::take(const View<"firmware", "image">& frame, Reply& reply) {
+Outcome Firmware::process(const View<"firmware", "image">& frame, Reply& reply) {
     if (flash_.max_size == 0) return Outcome::unknown;
     const std::uint16_t number = frame.get<"frame_num">();
     const bool in_turn = state_ == State::receiving && asker_ == reply.asker();

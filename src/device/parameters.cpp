@@ -88,7 +88,7 @@ bool Parameters::has(std::uint16_t id) {
     return id < rows_.size();
 }
 
-Outcome Parameters::take(const View<"parameter_command">& question, Reply& reply) {
+Outcome Parameters::process(const View<"parameter_command">& question, Reply& reply) {
     const std::uint16_t val = question.get<"val">();
     switch (question.get<"cmd">()) {
     case cmd_count: return send_count(question, reply);
@@ -167,7 +167,7 @@ std::int32_t Parameters::factor_of(const Parameter& row) const noexcept {
     return row.type == Type::f64 || row.name.starts_with("CAL_") ? 1'000'000 : 1000;
 }
 
-Outcome Parameters::take(const View<"parameter_value">& written, Reply& reply) {
+Outcome Parameters::process(const View<"parameter_value">& written, Reply& reply) {
     const std::uint16_t id = written.get<"par_id">();
     if (!has(id)) return profile_.acknowledges_unknown && !crashed_ ? reply.acknowledge() : Outcome::unknown;
     const Parameter& row = rows_[id];
@@ -197,7 +197,7 @@ bool Parameters::has_calibration(std::string_view beginning) const noexcept {
     return std::any_of(rows_.begin(), rows_.end(), [&](const Parameter& row) { return row.name.starts_with(beginning); });
 }
 
-Outcome Parameters::take(const View<"parameter_command", "action">& action, Reply& reply) {
+Outcome Parameters::process(const View<"parameter_command", "action">& action, Reply& reply) {
     bool known = true;
     const bool done = act(action.get<"val">(), known);
     if (!known) return Outcome::unknown;

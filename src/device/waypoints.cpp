@@ -25,7 +25,7 @@ void Waypoints::allow(std::size_t count) {
     list_.reserve(allowed_);
 }
 
-Outcome Waypoints::take(const View<"waypoint_read">& question, Reply& reply) const {
+Outcome Waypoints::process(const View<"waypoint_read">& question, Reply& reply) const {
     const std::uint8_t num = question.get<"num">();
     if (allowed_ == 0) return Outcome::unknown;
     if (num == how_many) {
@@ -42,7 +42,7 @@ Outcome Waypoints::take(const View<"waypoint_read">& question, Reply& reply) con
     return all ? reply.send(answer) : Outcome::unknown;    // always true for values that a host has written
 }
 
-Outcome Waypoints::take(const View<"waypoint">& written, Reply& reply) {
+Outcome Waypoints::process(const View<"waypoint">& written, Reply& reply) {
     const std::size_t num = written.get<"num">();
     if (num > list_.size() || num >= allowed_) return Outcome::unknown;
     const Waypoint waypoint = waypoint_of(written);

@@ -67,7 +67,7 @@ struct JobRequest {
 
 // "192.168.1.5", "logger at 192.168.1.5"; at the Unix socket, where programs send their name, "anoctl param, process 7".
 std::string client_of(const Request& request) {
-    const bool is_local = !request.door.is_network;
+    const bool is_local = !request.connection_info.is_network;
     const std::string name{request.query_value("client").value_or(is_local ? request.header("User-Agent") : std::string_view{})};
     constexpr std::size_t max_bytes = 64;
     std::string clean;
@@ -75,7 +75,9 @@ std::string client_of(const Request& request) {
         if (const std::size_t size = ano::control_size(name, i); size > 0) i += size - 1;
         else clean += name[i];
     if (is_local) return clean;
-    return clean.empty() ? request.door.peer : request.door.peer.empty() ? clean : clean + " at " + request.door.peer;
+    return clean.empty()                          ? request.connection_info.peer
+           : request.connection_info.peer.empty() ? clean
+                                                  : clean + " at " + request.connection_info.peer;
 }
 
 Response begin(DeviceService& service, const Request& request, JobRequest job_request) {

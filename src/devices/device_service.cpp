@@ -226,7 +226,7 @@ ano::host::Device& DeviceService::device(std::uint8_t address) {
 }
 
 WorkPlace DeviceService::place_of(std::uint8_t address) {
-    return {device(address), cache_, commands_, net_, notes_, texts(address)};
+    return {device(address), cache_, commands_, net_, journal_, texts(address)};
 }
 
 void DeviceService::keep_descriptions() {
@@ -258,11 +258,11 @@ WorkPlace DeviceService::place(const Job& job) {
             const auto why = refusal(order, net_.now());
             return why ? why->error : std::string{};
         };
-        return {device(*job.order.address),     cache_, commands_, net_, notes_, texts(*job.order.address), refused,
+        return {device(*job.order.address),     cache_, commands_, net_, journal_, texts(*job.order.address), refused,
                 !job.order.requester.controls()};
     }
     if (!everybody_) everybody_ = std::make_unique<ano::host::Device>(ano::address::broadcast, own_);
-    return {*everybody_, cache_, commands_, net_, notes_, default_texts_};
+    return {*everybody_, cache_, commands_, net_, journal_, default_texts_};
 }
 
 std::shared_ptr<Job> DeviceService::holder(std::uint8_t address) const {
@@ -542,7 +542,7 @@ bool DeviceService::remember(std::string name, std::string text) {
         write_back_at_ = net_.now();
         net_.wake(*write_back_at_);
     }
-    notes_.remember(std::move(name), std::move(text));
+    journal_.remember(std::move(name), std::move(text));
     return true;
 }
 
@@ -660,7 +660,7 @@ void DeviceService::write_back_soon(TimePoint now) {
 // can't be written back does not delay the others.
 void DeviceService::write_back(TimePoint now) {
     write_back_at_.reset();
-    const auto all = notes_.all();
+    const auto all = journal_.all();
     for (const auto& [name, text] : all) {
         const auto address = address_of_note(name);
         if (!address || !sensor_of_note(name)) continue;
@@ -748,7 +748,7 @@ void DeviceService::finish(Job& job, WorkEnd end, TimePoint now) {
     end.result.clear();
     // A device that answered this is no longer in its loader, which has neither parameters nor commands.
     if (end.status < 300 && job.order.address && job.order.kind != JobKind::firmware)
-        forget_loader_notes(notes_, *job.order.address, net_.unit_place(*job.order.address, now));
+        forget_loader_notes(journal_, *job.order.address, net_.unit_place(*job.order.address, now));
     job.end = std::move(end);
     job.ended_at = now;
     if (std::exchange(job.work, nullptr)) --at_work_;
@@ -757,7 +757,7 @@ void DeviceService::finish(Job& job, WorkEnd end, TimePoint now) {
     // The question for its device info waited behind the one without an answer.
     if (job.state == JobState::failed && job.order.kind == JobKind::commands && !info(*job.order.address))
         ask_who_it_is(*job.order.address, now, curious_);
-    if (job.order.kind == JobKind::calibration && !notes_.all().empty()) write_back_soon(now);
+    if (job.order.kind == JobKind::calibration && !journal_.all().empty()) write_back_soon(now);
     used_at_ = now;
     if (on_end_) on_end_(job);
     for (const auto& told : std::exchange(job.on_end, {})) told(job);
@@ -894,12 +894,12 @@ std::vector<HeardAddress> DeviceService::heard(TimePoint now) {
 
 // Leaves out notes about another device in its loader.
 std::vector<std::string> DeviceService::notes_to_show(std::uint8_t address, TimePoint now) {
-    std::vector<std::string> names = notes_.names(address);
+    std::vector<std::string> names = journal_.names(address);
     std::erase_if(names, [&](const std::string& name) {
         return is_type_7_note(name) ||
-               (is_loader_note(name) && !misfit_of_place(*notes_.find(name), net_.unit_place(address, now), true).empty());
+               (is_loader_note(name) && !misfit_of_place(*journal_.find(name), net_.unit_place(address, now), true).empty());
     });
-    for (std::string& dropped : notes_.dropped(address)) names.push_back(std::move(dropped));
+    for (std::string& dropped : journal_.dropped(address)) names.push_back(std::move(dropped));
     return names;
 }
 

@@ -10,6 +10,7 @@
 #include <ano/time.hpp>
 #include <devices/alarm_feed.hpp>
 #include <devices/alarm_limits.hpp>
+#include <devices/crash_journal.hpp>
 #include <devices/device_log.hpp>
 #include <devices/device_net.hpp>
 #include <devices/device_texts.hpp>
@@ -17,7 +18,6 @@
 #include <devices/job.hpp>
 #include <devices/line_stream.hpp>
 #include <devices/loss_watch.hpp>
-#include <devices/notes.hpp>
 #include <host/air_guard.hpp>
 #include <host/description_cache.hpp>
 #include <host/device.hpp>
@@ -252,7 +252,7 @@ private:
     DeviceNet& net_;
     Nobody nobody_;     // asks whether a device is present: any frame from it is enough
     Nobody curious_;    // asks whether it is still the same, after all other requests
-    Notes notes_{net_};
+    CrashJournal journal_{net_};
     DeviceLog log_;
     LineClients log_clients_;
     std::optional<ano::TimePoint> log_due_;    // when to wake log_clients()

@@ -175,7 +175,7 @@ http::Response at_its_end(const std::shared_ptr<Job>& job, std::shared_ptr<Waiti
 
 Requester requester_of(const http::Request& request, bool acts) {
     const bool will_act = request.access == http::Access::control && request.query_value("to_act").has_value();
-    return {request.access, http::client_id_of(request.user, request.door), acts || will_act};
+    return {request.access, http::client_id_of(request.user, request.connection_info), acts || will_act};
 }
 
 http::Response answer_of(DeviceService& service, const std::shared_ptr<Job>& job, const http::Request& request) {

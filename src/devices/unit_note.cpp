@@ -123,8 +123,8 @@ std::string misfit_of_note(const std::string& text, const WorkPlace& place, With
 }
 
 std::string find_note(const WorkPlace& place, const std::function<bool(std::string_view name)>& wanted, WithoutInfo silent) {
-    for (const std::string& name : place.notes.names(place.device.address()))
-        if (wanted(name) && misfit_of_note(*place.notes.find(name), place, silent).empty()) return name;
+    for (const std::string& name : place.journal.names(place.device.address()))
+        if (wanted(name) && misfit_of_note(*place.journal.find(name), place, silent).empty()) return name;
     return {};
 }
 

@@ -21,7 +21,7 @@ struct WorkPlace;
 /// The members of a note that identify its unit and its time. `info`: of the device, if known.
 nlohmann::ordered_json unit_json(const WorkPlace& place, const std::optional<ano::host::DeviceInfo>& info);
 /// "KIND-0xDC-1a2b3c4d.json", with "-ENDING" before the point unless it is empty. The digits identify the unit, so that two units
-/// with one address have two notes.
+/// with one address have two journal.
 std::string unit_note_name(std::string_view kind, const WorkPlace& place, const std::optional<ano::host::DeviceInfo>& info,
                            std::string_view ending = {});
 /// Whether `name` is exactly the name of such a note, or one without the digits, as in older versions.

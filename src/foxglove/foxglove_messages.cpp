@@ -32,7 +32,7 @@ Wrong no_list(std::string_view op, std::string_view name) {
     return {"'" + std::string{op} + "' needs a list '" + std::string{name} + "'"};
 }
 
-Said read_subscribe(const Json& json) {
+ClientMessage read_subscribe(const Json& json) {
     const Json* const list = list_in(json, "subscriptions");
     if (list == nullptr) return no_list("subscribe", "subscriptions");
     Subscribe request;
@@ -46,7 +46,7 @@ Said read_subscribe(const Json& json) {
     return request;
 }
 
-Said read_unsubscribe(const Json& json) {
+ClientMessage read_unsubscribe(const Json& json) {
     const Json* const list = list_in(json, "subscriptionIds");
     if (list == nullptr) return no_list("unsubscribe", "subscriptionIds");
     Unsubscribe request;
@@ -73,7 +73,7 @@ std::optional<std::vector<std::string>> names_in(const Json& json) {
 
 const Wrong no_names{"'parameterNames' must be a list of texts"};
 
-Said read_get_parameters(const Json& json) {
+ClientMessage read_get_parameters(const Json& json) {
     auto names = names_in(json);
     if (!names) return no_names;
     GetParameters request{std::move(*names), {}};
@@ -85,28 +85,30 @@ Said read_get_parameters(const Json& json) {
     return request;
 }
 
-Said read_watch_parameters(const Json& json) {
+ClientMessage read_watch_parameters(const Json& json) {
     auto names = names_in(json);
     if (!names) return no_names;
     return WatchParameters{std::move(*names), false};
 }
 
-Said read_unwatch_parameters(const Json& json) {
+ClientMessage read_unwatch_parameters(const Json& json) {
     auto names = names_in(json);
     if (!names) return no_names;
     return WatchParameters{std::move(*names), true};
 }
 
 // Writing is supported only by the control interface, where programs identify themselves.
-Said refuse_to_write(const Json& json) {
+ClientMessage refuse_to_write(const Json& json) {
     return Wrong{ano::in_quotes(json["op"].get_ref<const std::string&>()) + " is not supported: this interface is read-only"};
 }
 
-Said refuse_graph(const Json&) { return Wrong{"the connection graph is not supported; see /status and /routes on this port"}; }
+ClientMessage refuse_graph(const Json&) {
+    return Wrong{"the connection graph is not supported; see /status and /routes on this port"};
+}
 
 struct Operation {
     std::string_view name;
-    Said (*read)(const Json& json);
+    ClientMessage (*read)(const Json& json);
 };
 constexpr Operation operations[] = {
     {"subscribe", read_subscribe},
@@ -128,7 +130,7 @@ void append_number(std::string& bytes, Number number) {
 
 }    // namespace
 
-Said read(std::string_view text) {
+ClientMessage read(std::string_view text) {
     constexpr std::size_t most_values = 4096;    // of 1000 subscriptions
     const auto parsed = ano::json_body(text, "the message", most_values);
     if (const auto* wrong = std::get_if<std::string>(&parsed)) return Wrong{*wrong};

@@ -49,9 +49,9 @@ struct WatchParameters {
 struct Wrong {
     std::string words;    // a clause: the error in the message, or why it is refused
 };
-using Said = std::variant<Subscribe, Unsubscribe, GetParameters, WatchParameters, Wrong>;
+using ClientMessage = std::variant<Subscribe, Unsubscribe, GetParameters, WatchParameters, Wrong>;
 
-Said read(std::string_view text);
+ClientMessage read(std::string_view text);
 
 struct ServerInfo {
     std::string name;

@@ -51,7 +51,7 @@ bool QuestionQueue::release(ano::TimePoint now) noexcept {
         if (now >= stale_at(oldest())) {
             drop(oldest(), &SendCounters::stale);
         } else if (const auto next = next_sender()) {
-            hand_over(turns_.first_of(*next, 0), *next);
+            send_restart_state(turns_.first_of(*next, 0), *next);
             released = true;
         } else if (!has_sender_without_question() || !in_flight_.expire_one(now)) {
             break;
@@ -124,7 +124,7 @@ SendCause QuestionQueue::store(ano::FrameView frame, ano::TimePoint arrived_at, 
     return nullptr;
 }
 
-void QuestionQueue::hand_over(FrameIndex i, ChannelId from) noexcept {
+void QuestionQueue::send_restart_state(FrameIndex i, ChannelId from) noexcept {
     const ano::FrameView frame{{room_.get() + frames_[i].at, frames_[i].size}};
     --counters_.offered;    // from now on, the outbox counts the question
     const SendCause cause = outbox_.push(frame, policy_of(frame.id()), stale_at(i) - options_.age, from);

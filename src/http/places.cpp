@@ -77,9 +77,9 @@ std::optional<std::size_t> easiest(ClientConnections connections, Easy easy) {
 
 }    // namespace
 
-ClientId client_id_of(std::uint32_t user, const Door& door) {
-    if (!door.is_network) return {user, 0};
-    return {unknown_user, std::hash<std::string>{}(client_network(door.peer))};
+ClientId client_id_of(std::uint32_t user, const ConnectionInfo& connection_info) {
+    if (!connection_info.is_network) return {user, 0};
+    return {unknown_user, std::hash<std::string>{}(client_network(connection_info.peer))};
 }
 
 std::optional<std::size_t> next_evicted(ClientConnections connections, ano::TimePoint connected_before) {

@@ -1,7 +1,7 @@
 // Decides which clients may use the limited connections of the server, and which connection is closed for another one.
 #pragma once
 #include <ano/time.hpp>
-#include <http/doors/door.hpp>
+#include <http/listeners/connection_info.hpp>
 
 #include <cstddef>
 #include <cstdint>
@@ -24,7 +24,7 @@ struct ClientId {
     std::uint64_t client = 0;    // of the network: which client
     bool operator==(const ClientId&) const = default;
 };
-ClientId client_id_of(std::uint32_t user, const Door& door);
+ClientId client_id_of(std::uint32_t user, const ConnectionInfo& connection_info);
 
 /// One client that has a place.
 struct ClientConnection {
@@ -37,7 +37,7 @@ struct ClientConnection {
     bool lasts = false;             // its response, no stream, has taken longer than SessionLimits::stalled_after
 };
 
-/// For a new client when `connections` take all places of a door: the index of the connection to close for it. std::nullopt: none
+/// For a new client when `connections` take all places of a listener: the index of the connection to close for it. std::nullopt: none
 /// yet, since all are requests of clients that may control, which will soon be answered.
 ///
 /// Connections without a complete request are closed first. The order among them: those that may not control, those that are

@@ -1,8 +1,8 @@
 // A complete HTTP request.
 #pragma once
 #include <ano/time.hpp>
-#include <http/doors/door.hpp>
 #include <http/large_body.hpp>
+#include <http/listeners/connection_info.hpp>
 
 #include <cstdint>
 #include <memory>
@@ -38,7 +38,7 @@ struct Request {
     unsigned version = 11;                         // 10 for HTTP/1.0
     bool keep_alive = true;
     std::uint32_t user = unknown_user;    // the client's user at a Unix socket
-    Door door;
+    ConnectionInfo connection_info;
     Access access = Access::control;    // the access that it has
     std::string token{};                // the valid token that allows it; empty: none was needed, or none was sent
     std::optional<Access> judged{};     // `access`, if it was judged before the body was received

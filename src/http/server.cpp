@@ -1,4 +1,4 @@
-#include <http/doors/tcp_door.hpp>
+#include <http/listeners/tcp_listener.hpp>
 #include <http/server.hpp>
 #include <sys/descriptors_left.hpp>
 
@@ -46,13 +46,13 @@ Expected<std::uint16_t> Server::start(const Network& network) {
     if (!made) return Unexpected{std::move(made.error())};
     network_settings_ = network;
     const auto admit_one = [this](Socket socket) {
-        Door door{};
-        door.is_network = true;
-        door.is_encrypted = network_settings_.tls != nullptr;
-        door.needs_token = network_settings_.needs_token;
-        prepare_tcp(socket.native_handle(), door);
-        admit(network_settings_.tls ? network_settings_.tls->stream(std::move(socket), std::move(door))
-                                    : stream_of(std::move(socket), std::move(door)));
+        ConnectionInfo connection_info{};
+        connection_info.is_network = true;
+        connection_info.is_encrypted = network_settings_.tls != nullptr;
+        connection_info.needs_token = network_settings_.needs_token;
+        prepare_tcp(socket.native_handle(), connection_info);
+        admit(network_settings_.tls ? network_settings_.tls->stream(std::move(socket), std::move(connection_info))
+                                    : stream_of(std::move(socket), std::move(connection_info)));
     };
     const auto may_admit = [this] { return handshakes(nullptr) < max_handshakes && has_place(network_); };
     new_connections_ = std::make_unique<NewConnections>(io_, network.tls != nullptr, limits_.session.patience, evicted_,
@@ -67,10 +67,10 @@ Expected<std::uint16_t> Server::start(const Network& network) {
 bool Server::may_accept() { return descriptors_left() > 0 || new_connections_->evict_one() || has_place(network_); }
 
 void Server::add_new(Socket socket) {
-    Door door{};
-    door.is_network = true;
-    door.peer = peer_of(socket.native_handle());
-    const ClientId client_id = client_id_of(unknown_user, door);
+    ConnectionInfo connection_info{};
+    connection_info.is_network = true;
+    connection_info.peer = peer_of(socket.native_handle());
+    const ClientId client_id = client_id_of(unknown_user, connection_info);
     new_connections_->add(std::move(socket), client_id.client, may_control(client_id, nullptr));
 }
 
@@ -106,10 +106,10 @@ tl::expected<Access, Response> Server::judge(Request& request) {
 
 std::optional<Response> Server::refusal_if_full(const ClientId& client_id, Access access) {
     remember(client_id, access);
-    Room& room = room_of(client_id);
-    const PlaceFor place = request_place(room.connections(), room.places.connections, client_id, access);
+    Quota& quota = quota_of(client_id);
+    const PlaceFor place = request_place(quota.connections(), quota.limits.connections, client_id, access);
     if (!place.is_free) return no_place();
-    if (place.leaves) send_away(room, *place.leaves);
+    if (place.leaves) send_away(quota, *place.leaves);
     return std::nullopt;
 }
 
@@ -128,14 +128,14 @@ bool Server::may_control(const ClientId& client_id, const Request* head) {
 }
 
 std::optional<Response> Server::refusal_if_no_place(const ClientId& client_id, Access access, bool streams) {
-    Room& room = room_of(client_id);
+    Quota& quota = quota_of(client_id);
     const auto words = [] { return try_again("too few file descriptors for more streams and waiting clients (ulimit -n)"); };
     if (streams) {
         constexpr std::size_t for_short_ones = 8;    // descriptors, beside those of links
         if (descriptors_left() < descriptors_of_links() + for_short_ones) return words();
-        const PlaceFor place = stream_place(room.connections(), room.places.streams, client_id, access);
+        const PlaceFor place = stream_place(quota.connections(), quota.limits.streams, client_id, access);
         if (!place.is_free) return try_again("too many streams and WebSockets; try again later");
-        if (place.leaves) send_away(room, *place.leaves);
+        if (place.leaves) send_away(quota, *place.leaves);
         return std::nullopt;
     }
     return access == Access::control || has_descriptors() ? std::nullopt : std::optional{words()};
@@ -160,11 +160,11 @@ Response Server::answer(Request& request) {
 
 void Server::admit(std::unique_ptr<Stream> stream) {
     if (!has_memory()) return refuse(std::move(stream), try_again("not enough memory for a request; try again"));
-    Room& room = room_of(client_id_of(stream->user(), stream->door()));
-    if (!make_place(room)) return refuse(std::move(stream), no_place());
+    Quota& quota = quota_of(client_id_of(stream->user(), stream->connection_info()));
+    if (!make_place(quota)) return refuse(std::move(stream), no_place());
     SessionOwner& owner = *this;
     auto session = std::make_shared<Session>(io_, owner, std::move(stream), limits_.session);
-    room.sessions.push_back(session);
+    quota.sessions.push_back(session);
     session->start();
 }
 
@@ -200,7 +200,7 @@ tl::expected<std::shared_ptr<void>, Response> Server::place_for_body() {
     return tl::unexpected{try_again("other large uploads are in progress; try again later")};
 }
 
-std::vector<ClientConnection> Server::Room::connections() {
+std::vector<ClientConnection> Server::Quota::connections() {
     std::erase_if(sessions, [](const auto& session) { return session.expired(); });
     const ano::TimePoint now = ano::Clock::now();
     std::vector<ClientConnection> connections;
@@ -212,34 +212,34 @@ std::vector<ClientConnection> Server::Room::connections() {
 // `call` may close sessions: they are skipped.
 template <class Call>
 void Server::for_each_session(Call call) {
-    for (Room* const room : {&local_, &network_})
+    for (Quota* const quota : {&local_, &network_})
         for (const auto& session : std::vector{room->sessions})
             if (const auto alive = session.lock()) call(alive);
 }
 
-bool Server::is_full(const Room& room, std::size_t connections) const {
-    return connections >= room.places.connections || (connections >= room.places.in_need && !has_descriptors());
+bool Server::is_full(const Quota& quota, std::size_t connections) const {
+    return connections >= quota.limits.connections || (connections >= quota.limits.in_need && !has_descriptors());
 }
 
 // The loop may not have read a request that was received.
-std::optional<std::size_t> Server::connection_to_close(const Room& room, std::vector<ClientConnection> connections) const {
+std::optional<std::size_t> Server::connection_to_close(const Quota& quota, std::vector<ClientConnection> connections) const {
     const ano::TimePoint now = ano::Clock::now();
-    auto place = next_evicted(connections, now - room.places.hearing);
+    auto place = next_evicted(connections, now - quota.limits.hearing);
     const auto is_idle = [&](const ClientConnection& v) { return v.asking == Asking::nothing || v.asking == Asking::unheard; };
-    while (place && is_idle(connections[*place]) && room.sessions[*place].lock()->has_more()) {
+    while (place && is_idle(connections[*place]) && quota.sessions[*place].lock()->has_more()) {
         connections[*place].asking = Asking::whole;    // perhaps: it is read in the next turn of the loop
-        place = next_evicted(connections, now - room.places.hearing);
+        place = next_evicted(connections, now - quota.limits.hearing);
     }
     return place || has_descriptors() ? place : oldest_stream(connections);
 }
 
 // Accepting already needs a descriptor.
-bool Server::has_place(Room& room) {
-    for (Room* const one : {&network_, &local_})
+bool Server::has_place(Quota& quota) {
+    for (Quota* const one : {&network_, &local_})
         if (const auto leaves = descriptors_left() == 0 ? connection_to_close(*one, one->connections()) : std::nullopt)
             send_away(*one, *leaves);
-    const std::vector<ClientConnection> all = room.connections();
-    return descriptors_left() > 0 && (!is_full(room, all.size()) || connection_to_close(room, all));
+    const std::vector<ClientConnection> all = quota.connections();
+    return descriptors_left() > 0 && (!is_full(quota, all.size()) || connection_to_close(quota, all));
 }
 
 // The number of handshakes that wait for their turn, of all clients or of one.
@@ -252,29 +252,29 @@ std::ptrdiff_t Server::handshakes(const ClientId* of) {
 
 bool Server::may_begin_handshake(const ClientId& client_id) { return handshakes(&client_id) < max_handshakes_per_client; }
 
-bool Server::make_place(Room& room) {
+bool Server::make_place(Quota& quota) {
     if (!has_descriptors())    // the reserved ones are in use: fewer connections are kept
-        for (Room* const one : {&network_, &local_}) make_room(*one, one->places.in_need + 1);
-    make_room(room, 0);
+        for (Quota* const one : {&network_, &local_}) evict_excess(*one, one->limits.in_need + 1);
+    evict_excess(quota, 0);
     // `in_need` does not count here: the new connection was accepted while descriptors were left, even if it uses the last of
     // them.
-    return room.connections().size() < room.places.connections;
+    return quota.connections().size() < quota.limits.connections;
 }
 
 // Closes no connection while there are fewer than `at_least`.
-void Server::make_room(Room& room, std::size_t at_least) {
+void Server::evict_excess(Quota& quota, std::size_t at_least) {
     for (;;) {
-        const std::vector<ClientConnection> all = room.connections();
-        if (all.size() < at_least || !is_full(room, all.size())) return;
-        const auto place = connection_to_close(room, all);
+        const std::vector<ClientConnection> all = quota.connections();
+        if (all.size() < at_least || !is_full(quota, all.size())) return;
+        const auto place = connection_to_close(quota, all);
         if (!place) return;
-        send_away(room, *place);
+        send_away(quota, *place);
     }
 }
 
-void Server::send_away(Room& room, std::size_t place) {
-    const auto leaves = room.sessions[place].lock();
-    room.sessions.erase(room.sessions.begin() + static_cast<std::ptrdiff_t>(place));
+void Server::send_away(Quota& quota, std::size_t place) {
+    const auto leaves = quota.sessions[place].lock();
+    quota.sessions.erase(quota.sessions.begin() + static_cast<std::ptrdiff_t>(place));
     turns_.leave(leaves);
     leaves->leave(no_place());
 }
@@ -282,15 +282,15 @@ void Server::send_away(Room& room, std::size_t place) {
 // Sends a last response only if descriptors are left: it holds one for up to ServerLimits::final_response.
 void Server::refuse(std::unique_ptr<Stream> stream, const Response& words) {
     if (!has_descriptors()) return stream->close();
-    std::erase_if(farewells_, [](const auto& final_response) { return final_response.expired(); });
-    const std::size_t max_farewells = has_memory() ? limits_.farewells : limits_.farewells_in_need;
-    while (farewells_.size() >= max_farewells && !farewells_.empty()) {
-        farewells_.front().lock()->close();
-        farewells_.pop_front();
+    std::erase_if(final_responses_, [](const auto& final_response) { return final_response.expired(); });
+    const std::size_t max_final_responses = has_memory() ? limits_.final_responses : limits_.final_responses_in_need;
+    while (final_responses_.size() >= max_final_responses && !final_responses_.empty()) {
+        final_responses_.front().lock()->close();
+        final_responses_.pop_front();
     }
     try {
         const auto final_response = std::make_shared<FinalResponse>(io_, std::move(stream), final_text(words));
-        farewells_.push_back(final_response);
+        final_responses_.push_back(final_response);
         final_response->send(limits_.final_response);
     } catch (const std::bad_alloc&) {    // the connection is closed
     }
@@ -367,7 +367,7 @@ void Server::stop() {
     for_each_session([](const auto& session) { session->close(); });
     local_.sessions.clear();
     network_.sessions.clear();
-    for (const auto& final_response : std::exchange(farewells_, {}))
+    for (const auto& final_response : std::exchange(final_responses_, {}))
         if (const auto alive = final_response.lock()) alive->close();
 }
 

@@ -1,11 +1,11 @@
 // The HTTP server: accepts connections, gives them places and turns, and closes them.
 #pragma once
 #include <http/asio.hpp>
-#include <http/doors/admission.hpp>
-#include <http/doors/final_response.hpp>
-#include <http/doors/listener.hpp>
-#include <http/doors/local_socket.hpp>
-#include <http/doors/new_connections.hpp>
+#include <http/listeners/admission.hpp>
+#include <http/listeners/final_response.hpp>
+#include <http/listeners/listener.hpp>
+#include <http/listeners/local_socket.hpp>
+#include <http/listeners/new_connections.hpp>
 #include <http/routes.hpp>
 #include <http/session.hpp>
 #include <http/tls.hpp>
@@ -20,8 +20,8 @@
 
 namespace anogate::http {
 
-/// The places of one sort of door.
-struct DoorPlaces {
+/// The limits of one kind of listener.
+struct ListenerLimits {
     std::size_t connections = 0;
     std::size_t streams = 0;    // of the connections: streams and WebSockets, which stay
     std::size_t in_need = 0;    // replaces `connections` while few descriptors are left; there are no streams then
@@ -30,10 +30,10 @@ struct DoorPlaces {
 
 struct ServerLimits {
     // Up to 20 requests may wait for devices (DeviceService::waiting_places): beside them and the streams some places stay free.
-    DoorPlaces local{44, 20, 3, std::chrono::milliseconds{100}};
-    DoorPlaces network{44, 20, 1, std::chrono::milliseconds{100}};
-    std::size_t farewells = 32;           // closing connections that are still sent their last response
-    std::size_t farewells_in_need = 4;    // the same while memory is short
+    ListenerLimits local{44, 20, 3, std::chrono::milliseconds{100}};
+    ListenerLimits network{44, 20, 1, std::chrono::milliseconds{100}};
+    std::size_t final_responses = 32;           // closing connections that are still sent their last response
+    std::size_t final_responses_in_need = 4;    // the same while memory is short
     ano::Duration final_response = std::chrono::seconds{1};
     SessionLimits session;
 };
@@ -79,7 +79,7 @@ public:
     void set_tls(std::shared_ptr<Tls> tls) { network_settings_.tls = std::move(tls); }
     /// Replaces the rules. Calls Session::dismiss() for clients whose token allows less now.
     void set_rules(AdmissionRules rules);
-    /// The rules for network doors: tokens and names.
+    /// The rules for network listeners: tokens and names.
     Admission& admission() noexcept { return admission_; }
     const Admission& admission() const noexcept { return admission_; }
     /// Connections of the network that were silent or waited for a place, and were closed for others.
@@ -96,21 +96,21 @@ public:
     void stop();
 
 private:
-    /// The sessions of one sort of door.
-    struct Room {
-        DoorPlaces places;
+    /// The sessions of one sort of listener.
+    struct Quota {
+        ListenerLimits limits;
         std::vector<std::weak_ptr<Session>> sessions{};
 
         std::vector<ClientConnection> connections();
     };
-    Room& room_of(const ClientId& client_id) noexcept { return client_id.user == unknown_user ? network_ : local_; }
-    bool is_full(const Room& room, std::size_t connections) const;
-    std::optional<std::size_t> connection_to_close(const Room& room, std::vector<ClientConnection> connections) const;
-    bool has_place(Room& room);
+    Quota& quota_of(const ClientId& client_id) noexcept { return client_id.user == unknown_user ? network_ : local_; }
+    bool is_full(const Quota& quota, std::size_t connections) const;
+    std::optional<std::size_t> connection_to_close(const Quota& quota, std::vector<ClientConnection> connections) const;
+    bool has_place(Quota& quota);
     std::ptrdiff_t handshakes(const ClientId* of);
-    bool make_place(Room& room);
-    void make_room(Room& room, std::size_t at_least);
-    void send_away(Room& room, std::size_t place);
+    bool make_place(Quota& quota);
+    void evict_excess(Quota& quota, std::size_t at_least);
+    void send_away(Quota& quota, std::size_t place);
     void remember(const ClientId& client_id, Access access);
     template <class Call>
     void for_each_session(Call call);
@@ -153,12 +153,12 @@ private:
     EvictionCounter evicted_;
     std::unique_ptr<NewConnections> new_connections_;    // of the network
     std::unique_ptr<Listener> local_listener_, network_listener_;
-    Room local_{limits_.local}, network_{limits_.network};
+    Quota local_{limits_.local}, network_{limits_.network};
     std::deque<ClientId> controllers_;                   // clients of the network that have controlled, the most recent last
     Turns<std::shared_ptr<Session>, ClientId> turns_;    // sessions with a complete request
     asio::steady_timer rest_{io_};
     ano::TimePoint rests_until_{};    // sessions that may not control have no turn before
-    std::deque<std::weak_ptr<FinalResponse>> farewells_;
+    std::deque<std::weak_ptr<FinalResponse>> final_responses_;
 };
 
 }    // namespace anogate::http

@@ -24,8 +24,8 @@ Session::Session(asio::io_context& io, SessionOwner& owner, std::unique_ptr<Stre
       stream_{std::move(stream)},
       deadline_{io},
       user_{stream_->user()},
-      client_id_{client_id_of(user_, stream_->door())},
-      is_of_network_{stream_->door().is_network} {}
+      client_id_{client_id_of(user_, stream_->connection_info())},
+      is_of_network_{stream_->connection_info().is_network} {}
 
 // If memory is short for a client, its connection is closed and the program continues.
 template <class Function>
@@ -40,7 +40,7 @@ void Session::guarded(Function function) {
 void Session::start() {
     by_address_ = owner_.may_control(client_id_, nullptr);
     if (by_address_) may_ = Access::control;
-    if (!stream_->door().is_encrypted) return await_request();
+    if (!stream_->connection_info().is_encrypted) return await_request();
     if (!owner_.may_begin_handshake(client_id_)) return close();
     awaits_handshake_ = true;
     expect_progress();
@@ -76,7 +76,8 @@ void Session::dismiss() {
 void Session::leave(const Response& words) {
     const bool is_answered = asking_ == Asking::whole && !awaits_turn_;
     if (!stream_ || asking_ == Asking::nothing || is_answered) return close();
-    if (asking_ == Asking::unheard && stream_->door().is_encrypted) return close();    // a response would need a handshake
+    if (asking_ == Asking::unheard && stream_->connection_info().is_encrypted)
+        return close();    // a response would need a handshake
     refuse(words);
 }
 
@@ -93,7 +94,7 @@ void Session::await_request() {
     go_on_awaited_ = false;
     reader_.emplace(limits_.request, [this](Request& head) {
         head.user = user_;
-        head.door = stream_->door();
+        head.connection_info = stream_->connection_info();
         return has_room(head) ? std::optional{room_for_body_.max_bytes} : std::nullopt;
     });
     expect_progress();
@@ -225,7 +226,7 @@ void Session::receive() {
 void Session::on_request() {
     Request& request = request_.emplace(reader_->pop_request());
     request.user = user_;
-    request.door = stream_->door();
+    request.connection_info = stream_->connection_info();
     request.came_at = whole_at_;
     request.judged = room_for_body_.judged;
     if (keeper_) request.stored = keeper_->whole();

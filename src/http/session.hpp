@@ -28,7 +28,7 @@ struct SessionLimits {
     /// Bytes of a large body that are collected before they are passed to its keeper.
     std::size_t part_of_body = std::size_t{256} * 1024;
     /// A client that has accepted nothing of a response for this time counts as idle; a response that takes longer is marked as
-    /// Visitor::lasts.
+    /// Client::lasts.
     ano::Duration stalled_after = std::chrono::seconds{1};
 };
 

@@ -12,7 +12,8 @@ namespace {
 
 class SocketStream final : public Stream {
 public:
-    SocketStream(Socket socket, Door door) : socket_{std::move(socket)}, door_{std::move(door)} {}
+    SocketStream(Socket socket, ConnectionInfo connection_info)
+        : socket_{std::move(socket)}, connection_info_{std::move(connection_info)} {}
 
     bool has_more() const override { return has_unread(const_cast<Socket&>(socket_).native_handle()); }
     void read_some(asio::mutable_buffer into, Done done) override { socket_.async_read_some(into, std::move(done)); }
@@ -30,24 +31,24 @@ public:
         socket_.close(ignored);
     }
     std::uint32_t user() const override {
-        if (door_.is_network) return unknown_user;
+        if (connection_info_.is_network) return unknown_user;
         ucred who{};
         socklen_t size = sizeof who;
         const int fd = const_cast<Socket&>(socket_).native_handle();
         return ::getsockopt(fd, SOL_SOCKET, SO_PEERCRED, &who, &size) == 0 ? who.uid : unknown_user;
     }
 
-    const Door& door() const override { return door_; }
+    const ConnectionInfo& connection_info() const override { return connection_info_; }
 
 private:
     Socket socket_;
-    Door door_;
+    ConnectionInfo connection_info_;
 };
 
 }    // namespace
 
-std::unique_ptr<Stream> stream_of(Socket socket, Door door) {
-    return std::make_unique<SocketStream>(std::move(socket), std::move(door));
+std::unique_ptr<Stream> stream_of(Socket socket, ConnectionInfo connection_info) {
+    return std::make_unique<SocketStream>(std::move(socket), std::move(connection_info));
 }
 
 bool is_gone(Socket& socket, bool is_encrypted) noexcept {

@@ -1,7 +1,7 @@
 // A bidirectional connection of any kind.
 #pragma once
 #include <http/asio.hpp>
-#include <http/doors/door.hpp>
+#include <http/listeners/connection_info.hpp>
 
 #include <array>
 #include <cstdint>
@@ -31,12 +31,12 @@ public:
     virtual void close() = 0;
     /// The user at the other end of a Unix socket; unknown_user for other connections.
     virtual std::uint32_t user() const = 0;
-    virtual const Door& door() const = 0;
+    virtual const ConnectionInfo& connection_info() const = 0;
 };
 
 /// A connected socket, Unix or TCP.
 using Socket = asio::generic::stream_protocol::socket;
-std::unique_ptr<Stream> stream_of(Socket socket, Door door = {});
+std::unique_ptr<Stream> stream_of(Socket socket, ConnectionInfo connection_info = {});
 
 /// True if the client has closed the connection and left no request. A TLS client that has closed its half counts as gone in any
 /// case.

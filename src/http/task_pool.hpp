@@ -22,7 +22,7 @@ public:
     /// Must be held until `done` is called. If it is released earlier, `done` is not called, and work that has not begun is
     /// dropped.
     using Ticket = std::shared_ptr<void>;
-    /// As Errand::run(). `done` is never called from within this call.
+    /// As BackgroundTask::run(). `done` is never called from within this call.
     Ticket run(std::function<void()> work, std::function<void(std::string fault)> done);
     /// The same without a ticket: the work is always done, unless stop() is called first.
     void run_detached(std::function<void()> work, std::function<void(std::string fault)> done);

@@ -42,8 +42,10 @@ struct Encrypted : std::enable_shared_from_this<Encrypted> {
 
 class TlsStream final : public Stream {
 public:
-    TlsStream(Socket socket, asio::ssl::context& context, std::shared_ptr<const void> keep, Door door)
-        : keep_{std::move(keep)}, state_{std::make_shared<Encrypted>(std::move(socket), context)}, door_{std::move(door)} {}
+    TlsStream(Socket socket, asio::ssl::context& context, std::shared_ptr<const void> keep, ConnectionInfo connection_info)
+        : keep_{std::move(keep)},
+          state_{std::make_shared<Encrypted>(std::move(socket), context)},
+          connection_info_{std::move(connection_info)} {}
 
     bool has_left() const override {
         pollfd look{state_->ssl.lowest_layer().native_handle(), POLLRDHUP, 0};
@@ -77,7 +79,7 @@ public:
         state_->ssl.lowest_layer().close(ignored);
     }
     std::uint32_t user() const override { return unknown_user; }
-    const Door& door() const override { return door_; }
+    const ConnectionInfo& connection_info() const override { return connection_info_; }
 
 private:
     /// Many clients close the connection without close_notify: that counts as the end of the input.
@@ -85,7 +87,7 @@ private:
 
     std::shared_ptr<const void> keep_;
     std::shared_ptr<Encrypted> state_;
-    Door door_;
+    ConnectionInfo connection_info_;
 };
 
 // Checked here since OpenSSL does not report why a file can't be read, and blocks on a pipe.
@@ -135,8 +137,8 @@ std::string Tls::advice() const {
            "--make-certificate";
 }
 
-std::unique_ptr<Stream> Tls::stream(Socket socket, Door door) const {
-    return std::make_unique<TlsStream>(std::move(socket), context_->ssl, context_, std::move(door));
+std::unique_ptr<Stream> Tls::stream(Socket socket, ConnectionInfo connection_info) const {
+    return std::make_unique<TlsStream>(std::move(socket), context_->ssl, context_, std::move(connection_info));
 }
 
 }    // namespace anogate::http

@@ -20,7 +20,7 @@ public:
 
     /// The server's side of a connected socket. The handshake is done with the first read or write, which must be called only
     /// after the client has sent something.
-    std::unique_ptr<Stream> stream(Socket socket, Door door) const;
+    std::unique_ptr<Stream> stream(Socket socket, ConnectionInfo connection_info) const;
 
 private:
     struct Context;

@@ -53,7 +53,7 @@ public:
     /// Reads the clock; once per batch is enough. The next frames received get this time.
     virtual TimePoint now() = 0;
     /// The same, to be called after a read; the result is used to find when the data arrived.
-    virtual const LoopWatch& turn() = 0;
+    virtual const StallDetector& turn() = 0;
 
 protected:
     ~LinkHost() = default;

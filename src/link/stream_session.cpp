@@ -101,7 +101,7 @@ void StreamSession::read() {
         if (n <= 0) arrival_.found_empty(context_.host.turn().before());
         if (error == EAGAIN) break;
         if (n <= 0) return read_ended(error);
-        const LoopWatch& loop = context_.host.turn();
+        const StallDetector& loop = context_.host.turn();
         channel_->arrived_at = arrival_.unstamped(loop);
         if (v7_) v7_->commit(static_cast<std::size_t>(n), loop.now());
         else channel_->parser.commit(static_cast<std::size_t>(n), loop.now());

@@ -83,7 +83,7 @@ void TunnelLink::look_up_hosts() {
         context().names.resolve(host, context().host.now(), this, [this, &name = host](const auto& addresses, const auto& fault) {
             if (!addresses.empty()) {
                 hosts_[name] = addresses;
-                last_way_.reset();
+                last_path_.reset();
                 tunnel_.set_hosts(hosts_);
             } else if (hosts_[name].empty()) {
                 no_such_host_ = no_such_host(name, fault);
@@ -155,7 +155,7 @@ void TunnelLink::delivered() {
 
 void TunnelLink::refresh_networks(TimePoint now) {
     if (!seen_networks_.refresh(now)) return;
-    last_way_.reset();
+    last_path_.reset();
     tunnel_.set_networks(seen_networks_.all());
 }
 
@@ -163,8 +163,8 @@ std::optional<IpAddress> TunnelLink::our_address(const IpAddress& there) {
     const TunnelSettings& settings = tunnel_.settings();
     if (tunnel_.has_ip()) return tunnel_.ip();
     if (!settings.bind.is_any()) return settings.bind;
-    if (!last_way_ || last_way_->there != there) last_way_ = {there, source_towards(there)};
-    return last_way_->source;
+    if (!last_path_ || last_path_->there != there) last_path_ = {there, source_towards(there)};
+    return last_path_->source;
 }
 
 LinkFacts TunnelLink::facts() const {

@@ -52,7 +52,7 @@ private:
     void stop_looking_up();
     std::optional<IpAddress> our_address(const IpAddress& there);
 
-    struct Way {
+    struct Path {
         IpAddress there;
         std::optional<IpAddress> source;
     };
@@ -61,10 +61,10 @@ private:
     Tunnel tunnel_;
     std::vector<Target> wrap_to_;
     TunnelCounters before_stranger_;
-    bool has_accepted_ = false;      // a frame of this datagram was accepted
-    OwnNetworks seen_networks_;      // a separate cache, so that refresh_networks() detects every new read
-    std::optional<Way> last_way_;    // cleared by refresh_networks()
-    HostAddresses hosts_;            // of each configured host; empty until known
+    bool has_accepted_ = false;        // a frame of this datagram was accepted
+    OwnNetworks seen_networks_;        // a separate cache, so that refresh_networks() detects every new read
+    std::optional<Path> last_path_;    // cleared by refresh_networks()
+    HostAddresses hosts_;              // of each configured host; empty until known
     Alarm look_up_;
     LinkError no_such_host_;
 };

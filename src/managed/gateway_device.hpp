@@ -108,7 +108,7 @@ public:
     static bool concerns(std::uint8_t id) noexcept;
     /// Processes a frame for the gateway's id or for 0xFF.
     void take(ano::FrameView frame, const Asker& asker, ano::TimePoint now);
-    /// To be called when GatewayDeeds::save() has ended; `fault` is empty if the values are stored.
+    /// To be called when GatewayOperations::save() has ended; `fault` is empty if the values are stored.
     void saved(const std::string& fault, ano::TimePoint now);
     /// Sends a line for the log to all known hosts.
     void log(std::string_view text, LogColor color, ano::TimePoint now);

@@ -167,23 +167,23 @@ void Gateway::start(LinkState& state) {
     log_info("{}: disabled", state.link->name());
 }
 
-void Gateway::go_on_from(StoredState stored) { stored_ = std::move(stored); }
+void Gateway::go_on_from(RestartState stored) { stored_ = std::move(stored); }
 
 std::optional<StoredLink> Gateway::claim_stored(const Link& link) {
-    for (StoredState::OfLink& stored : stored_.links)
+    for (RestartState::OfLink& stored : stored_.links)
         if (stored.name == link.name() && stored.link.wire) return std::move(stored.link);
     return std::nullopt;
 }
 
 // Skips a link whose name leads to a different device file, because its peers are others.
 void Gateway::restore_addresses() {
-    for (const StoredState::OfLink& stored : stored_.links)
+    for (const RestartState::OfLink& stored : stored_.links)
         for (const LinkState& s : links_)
             if (s.link->name() == stored.name && WireIdentity::of(s.link->storable_wire()) == stored.wire)
                 restore_addresses(*s.link, stored);
 }
 
-void Gateway::restore_addresses(const Link& link, const StoredState::OfLink& stored) {
+void Gateway::restore_addresses(const Link& link, const RestartState::OfLink& stored) {
     for (const ChannelId id : forwarder_.traffic(link.id()).channels)
         for (const StoredChannel& was : stored.channels) {
             if (was.peer != channel(id).peer) continue;
@@ -194,7 +194,7 @@ void Gateway::restore_addresses(const Link& link, const StoredState::OfLink& sto
 
 // Independent of the device file: a copy may still be received on another link.
 void Gateway::restore_brought() {
-    for (const StoredState::OfLink& stored : stored_.links)
+    for (const RestartState::OfLink& stored : stored_.links)
         for (const LinkState& s : links_)
             if (s.link->name() == stored.name)
                 for (const DuplicateGuard::Memory& frame : stored.brought) forwarder_.restore(s.link->id(), frame);
@@ -249,7 +249,7 @@ void Gateway::finish_stop() {
     if (on_stopped_) std::exchange(on_stopped_, [] {})();
 }
 
-const LoopWatch& Gateway::turn() {
+const StallDetector& Gateway::turn() {
     const ClockReading clocks = read_clocks();
     now_ = clocks.now;
     if (const Duration slept = beat_.turn(clocks); slept > Duration::zero()) forwarder_.grow_older(slept);
@@ -264,7 +264,7 @@ void Gateway::beat() {
 
 bool Gateway::streams_are_active() const {
     for (const ChannelId id : forwarder_.channels())
-        if (streams_.contains(channel(id).link) && now_ - channel(id).arrived_at < LoopBeat::calm_after) return true;
+        if (streams_.contains(channel(id).link) && now_ - channel(id).arrived_at < StallWatch::calm_after) return true;
     return false;
 }
 

@@ -11,10 +11,10 @@
 #include <link/udp/datagram_sender.hpp>
 #include <record/decoding.hpp>
 #include <runtime/config_state.hpp>
-#include <runtime/loop_beat.hpp>
 #include <runtime/peer_log.hpp>
 #include <runtime/recording_figures.hpp>
-#include <runtime/stored_state.hpp>
+#include <runtime/restart_state.hpp>
+#include <runtime/stall_watch.hpp>
 #include <sys/alarm.hpp>
 
 #include <nlohmann/json_fwd.hpp>
@@ -83,7 +83,7 @@ public:
     void start(std::function<void(const std::string&)> on_required_missing);
     /// Before start(): continues from the state that the previous run stored. Descriptors that no link uses are closed by the end
     /// of start().
-    void go_on_from(StoredState stored);
+    void go_on_from(RestartState stored);
     /// `call` is called in stop(), after reading has ended and before the links are closed: it may store the state for the next
     /// run.
     void before_closing(std::function<void()> call) { before_closing_ = std::move(call); }
@@ -110,7 +110,7 @@ public:
     bool is_own_port(std::uint16_t port) const override;
     ChannelSet busy_channels() const override;
     TimePoint now() override { return now_ = Clock::now(); }
-    const LoopWatch& turn() override;
+    const StallDetector& turn() override;
 
     /// Removes the learned route of `address`. False: there was none.
     bool forget(std::uint8_t address) { return forwarder_.forget(address); }
@@ -137,7 +137,7 @@ public:
     const Forwarder& forwarder() const noexcept { return forwarder_; }
     const Channel& channel(ChannelId id) const { return forwarder_.channel(id); }
     /// The detector of standstills of the loop.
-    const LoopWatch& loop() const noexcept { return beat_.loop(); }
+    const StallDetector& loop() const noexcept { return beat_.loop(); }
     const std::vector<LinkState>& links() const noexcept { return links_; }
     /// The time at which stop() ended reading.
     const ClockReading& unread_since() const noexcept { return unread_since_; }
@@ -242,7 +242,7 @@ private:
     bool streams_are_active() const;
     void await_forwarder();
     void restore_addresses();
-    void restore_addresses(const Link& link, const StoredState::OfLink& stored);
+    void restore_addresses(const Link& link, const RestartState::OfLink& stored);
     void restore_brought();
     void check_required();
     bool nothing_waits(const LinkState& state) const;
@@ -274,7 +274,7 @@ private:
     LinkSet streams_;                        // serial ports and ptys
     TimePoint now_{};
     TimePoint started_at_{};
-    LoopBeat beat_;
+    StallWatch beat_;
     Alarm forwarder_due_;
     Alarm hello_due_;
     Alarm required_check_;
@@ -283,7 +283,7 @@ private:
     std::function<void()> before_stopping_ = [] {};
     std::function<void()> before_closing_ = [] {};
     std::function<void()> on_stopped_;
-    StoredState stored_;    // until start() ends
+    RestartState stored_;    // until start() ends
     ClockReading unread_since_{};
     TimePoint stop_by_{};
     ConfigState config_state_;

@@ -18,8 +18,8 @@
 #include <runtime/gateway_devices.hpp>
 #include <runtime/known_origin.hpp>
 #include <runtime/route_rows.hpp>
-#include <sys/files/kept_file.hpp>
 #include <sys/files/state_folder.hpp>
+#include <sys/files/write_atomically.hpp>
 
 #include <algorithm>
 #include <chrono>
@@ -37,7 +37,7 @@ namespace anogate {
 namespace {
 
 constexpr std::size_t max_note = 64 * 1024;
-constexpr std::string_view unfinished = ".new";    // keep_file()
+constexpr std::string_view unfinished = ".new";    // write_atomically()
 
 ano::Encoding encoding_of(TextEncoding encoding) {
     return encoding == TextEncoding::gbk ? ano::Encoding::gbk : ano::Encoding::utf8;
@@ -182,7 +182,7 @@ void GatewayDevices::remember_file(const std::string& folder, const std::string&
     else log_warning("{}; {}", fault, loss_of_note(name));
 }
 
-// Several gateways of one user share the folder: each reads only its own notes.
+// Several gateways of one user share the folder: each reads only its own journal.
 void GatewayDevices::remember_note(const std::string& folder, const std::string& name, std::string text) {
     const bool is_of_calibration = sensor_of_note(name).has_value();
     if (const std::string damage = damage_of_note(name, text); !damage.empty())
@@ -220,7 +220,7 @@ void GatewayDevices::keep(std::string name, std::string text, std::function<void
     aside(
         [path, text = std::move(text), fault] {
             *fault = text.empty() ? forget_file(path)
-                                  : keep_file(path, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+                                  : write_atomically(path, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
         },
         [fault, done = std::move(done)](const std::string& thrown) { done(thrown.empty() ? *fault : thrown); });
 }

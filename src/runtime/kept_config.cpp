@@ -1,6 +1,6 @@
 #include <runtime/kept_config.hpp>
-#include <sys/files/kept_file.hpp>
 #include <sys/files/state_folder.hpp>
+#include <sys/files/write_atomically.hpp>
 
 #include <nlohmann/json.hpp>
 
@@ -99,7 +99,7 @@ bool have_same_texts(const std::vector<ConfigText>& one, const std::vector<Confi
 // Comments in the texts may contain any bytes; CBOR stores them unchanged.
 std::string keep_config(const std::string& path, const KeptConfig& config) {
     const nlohmann::json all{{"unconfirmed", json_of(config.unconfirmed)}, {"confirmed", json_of(config.confirmed)}};
-    return keep_file(path, nlohmann::json::to_cbor(all));
+    return write_atomically(path, nlohmann::json::to_cbor(all));
 }
 
 std::optional<KeptConfig> parse_kept_config(std::string_view bytes) try {

@@ -1,8 +1,8 @@
 #include <log/log_line.hpp>
 #include <runtime/kept_config.hpp>
 #include <runtime/kept_parameters.hpp>
-#include <sys/files/kept_file.hpp>
 #include <sys/files/state_folder.hpp>
+#include <sys/files/write_atomically.hpp>
 
 #include <cstdlib>
 

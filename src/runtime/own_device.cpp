@@ -5,7 +5,7 @@
 #include <runtime/own_device.hpp>
 #include <runtime/reload.hpp>
 #include <sys/asio.hpp>
-#include <sys/files/kept_file.hpp>
+#include <sys/files/write_atomically.hpp>
 
 #include <nlohmann/json.hpp>
 
@@ -150,7 +150,7 @@ void OwnDevice::keep_in_step() {
 void OwnDevice::next_save() {
     const auto fault = std::make_shared<std::string>();
     const auto write = [path = kept_path_, text = saves_.front().values.text(), fault] {
-        *fault = keep_file(path, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+        *fault = write_atomically(path, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
     };
     const auto done = [this, fault](const std::string& thrown) {
         const std::string why = thrown.empty() ? *fault : thrown;

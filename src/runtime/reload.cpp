@@ -2,8 +2,8 @@
 #include <log/log_line.hpp>
 #include <runtime/gateway.hpp>
 #include <runtime/reload.hpp>
+#include <sys/lazy_memory.hpp>
 #include <sys/notify.hpp>
-#include <sys/rooms.hpp>
 
 #include <algorithm>
 #include <cstddef>
@@ -219,7 +219,7 @@ void Reload::changed(const std::shared_ptr<Job>& job, const Done& done) {
     settle();
     if (!on_reloaded_) return finish(outcome, done);
     on_reloaded_([this, job, done](std::string fault) {
-        job->outcome.door_fault = std::move(fault);
+        job->outcome.listener_fault = std::move(fault);
         finish(job->outcome, done);
     });
 }

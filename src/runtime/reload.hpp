@@ -39,7 +39,7 @@ struct ReloadOutcome {
     Difference difference{};
     bool dry_run = false;
     std::optional<ano::Duration> confirm_within{};    // std::nullopt: no confirmation is needed
-    std::string door_fault{};    // why control.http is off: a fault of its tokens or certificate; empty: it is on
+    std::string listener_fault{};    // why control.http is off: a fault of its tokens or certificate; empty: it is on
 };
 
 /// Requests are processed one after the other, in order. A confirmation and the expiry of its time are processed before waiting

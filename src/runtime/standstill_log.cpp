@@ -14,7 +14,7 @@ constexpr int at_once = 5;
 
 }    // namespace
 
-void StandstillLog::stood(const LoopWatch::Turn& turn, ano::TimePoint now) {
+void StandstillLog::stood(const StallDetector::Turn& turn, ano::TimePoint now) {
     if (!turn.is_reported) return;
     if (now < next_) return void(++unreported_);
     next_ = std::max(next_, now - (at_once - 1) * spacing) + spacing;

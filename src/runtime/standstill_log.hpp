@@ -9,7 +9,7 @@ namespace anogate {
 /// At most five lines at once, then one per ten seconds, because a machine that is too slow has standstills all the time.
 class StandstillLog {
 public:
-    void stood(const LoopWatch::Turn& turn, ano::TimePoint now);
+    void stood(const StallDetector::Turn& turn, ano::TimePoint now);
     /// To be called at the end of the program: logs the rest.
     void finish() const;
 

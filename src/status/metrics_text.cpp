@@ -1,5 +1,5 @@
 #include <ano_json/text.hpp>
-#include <http/doors/accept.hpp>
+#include <http/listeners/accept.hpp>
 #include <status/metrics_text.hpp>
 
 #include <array>

@@ -149,25 +149,25 @@ Json gateway_json(const Gateway& gateway, TimePoint now) {
     return json;
 }
 
-Json http_json(const NetworkDoor& door) {
+Json http_json(const ListenerInfo& listener) {
     Json json;
-    json["state"] = text(door.state);
-    if (door.state == NetworkDoor::State::off) return json;
-    json["error"] = door.error;
-    json["address"] = door.address;
-    json["port"] = door.port;
-    json["tls"] = door.is_encrypted;
-    if (door.is_encrypted) json["certificate"] = door.certificate;
-    json["token_needed"] = door.needs_token;
-    if (!door.token_file.empty()) json["token_file"] = door.token_file;
-    json["hosts"] = door.hosts;
-    json["wrong_tokens"] = door.wrong_tokens;
-    json["guessing_clients"] = door.guessing_clients;
-    json["gave_way"] = door.evicted;
-    const Hint hint = door.evicted_lately ? waiting_connections_closed() : Hint{};
+    json["state"] = text(listener.state);
+    if (listener.state == ListenerInfo::State::off) return json;
+    json["error"] = listener.error;
+    json["address"] = listener.address;
+    json["port"] = listener.port;
+    json["tls"] = listener.is_encrypted;
+    if (listener.is_encrypted) json["certificate"] = listener.certificate;
+    json["token_needed"] = listener.needs_token;
+    if (!listener.token_file.empty()) json["token_file"] = listener.token_file;
+    json["hosts"] = listener.hosts;
+    json["wrong_tokens"] = listener.wrong_tokens;
+    json["guessing_clients"] = listener.guessing_clients;
+    json["gave_way"] = listener.evicted;
+    const Hint hint = listener.evicted_lately ? waiting_connections_closed() : Hint{};
     json["hint_id"] = hint.id;
     json["hint"] = hint.text;
-    json["codes"] = {{"link", door.link_code}, {"digits", door.digits_code}};
+    json["codes"] = {{"link", listener.link_code}, {"digits", listener.digits_code}};
     return json;
 }
 
@@ -198,7 +198,7 @@ Json recording_json(const Gateway& gateway) {
 
 }    // namespace
 
-std::string status_json(Gateway& gateway, const NetworkDoor& door, const Json* lost) {
+std::string status_json(Gateway& gateway, const ListenerInfo& listener, const Json* lost) {
     const TimePoint now = gateway.now();
     Json json = object_with_room(11);
     json["gateway"] = gateway_json(gateway, now);
@@ -208,7 +208,7 @@ std::string status_json(Gateway& gateway, const NetworkDoor& door, const Json* l
     json["tunnel"] = tunnel_json(gateway);
     json["gpio"] = gpio_json(gateway.gpio(), now);
     json["recording"] = recording_json(gateway);
-    json["http"] = http_json(door);
+    json["http"] = http_json(listener);
     if (lost) json["lost"] = *lost;
     json["map"] = map_json(gateway.settings().control.map);
     return line_of(std::move(json));

@@ -1,6 +1,6 @@
 // The state of a gateway as JSON (the shape is part of the interface: tools/README.md, "The status").
 #pragma once
-#include <status/network_door.hpp>
+#include <status/listener_info.hpp>
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -14,8 +14,8 @@ namespace anogate {
 
 class Gateway;
 
-/// GET /status: one JSON text. `door`: the TCP access; `lost`: the devices that are lost, if that is known.
-std::string status_json(Gateway& gateway, const NetworkDoor& door = {}, const nlohmann::ordered_json* lost = nullptr);
+/// GET /status: one JSON text. `listener`: the TCP access; `lost`: the devices that are lost, if that is known.
+std::string status_json(Gateway& gateway, const ListenerInfo& listener = {}, const nlohmann::ordered_json* lost = nullptr);
 /// GET /links, GET /routes: only this array of the status.
 std::string links_json(Gateway& gateway);
 std::string routes_json(Gateway& gateway);

@@ -16,7 +16,7 @@
 
 namespace anogate {
 
-/// Shared with the thread, which may outlive the Errand.
+/// Shared with the thread, which may outlive the BackgroundTask.
 struct BackgroundTask::Shared {
     std::function<void()> work;
     std::function<void(std::string)> done;    // used by the loop only

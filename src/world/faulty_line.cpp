@@ -11,7 +11,7 @@ FaultyLine::FaultyLine(std::unique_ptr<SimulatedDevice> device, const Faults& fa
 
 void FaultyLine::take(Bytes bytes, TimePoint now, const Send& send) {
     run(now, send);
-    put(bytes, Way::to_device, now, there_);
+    put(bytes, Direction::to_device, now, there_);
     run(now, send);
 }
 
@@ -38,7 +38,7 @@ TimePoint FaultyLine::due() const noexcept {
 }
 
 // Every frame draws the same number of random numbers, so that faults of one frame do not change those of the next.
-void FaultyLine::put(Bytes frame, Way way, TimePoint at, Noise& chance) {
+void FaultyLine::put(Bytes frame, Direction way, TimePoint at, Noise& chance) {
     const auto happens = [&](unsigned percent) { return chance.share() * 100 < percent; };
     const bool is_lost = happens(faults_.loss), is_double = happens(faults_.duplicate), is_damaged = happens(faults_.corrupt);
     const std::uint64_t bit = chance.bits();
@@ -59,9 +59,9 @@ void FaultyLine::put(Bytes frame, Way way, TimePoint at, Noise& chance) {
 
 void FaultyLine::arrive(const Passing& passing, TimePoint at, const Send& send) {
     switch (passing.way) {
-    case Way::to_host: return send(passing.bytes, at);
-    case Way::to_slow_device: --waiting_; return receive(passing.bytes, at);
-    case Way::to_device:
+    case Direction::to_host: return send(passing.bytes, at);
+    case Direction::to_slow_device: --waiting_; return receive(passing.bytes, at);
+    case Direction::to_device:
         if (faults_.slow > Duration::zero()) return wait_for_slow_device(passing, at);
         return receive(passing.bytes, at);
     }
@@ -74,7 +74,7 @@ void FaultyLine::wait_for_slow_device(const Passing& passing, TimePoint at) {
     }
     ++waiting_;
     busy_until_ = std::max(busy_until_, at) + faults_.slow;
-    passing_.emplace(busy_until_, Passing{Way::to_slow_device, passing.bytes});
+    passing_.emplace(busy_until_, Passing{Direction::to_slow_device, passing.bytes});
 }
 
 bool FaultyLine::is_restarting(TimePoint at) const noexcept {
@@ -91,7 +91,7 @@ void FaultyLine::restart_if_due(TimePoint at) {
 
 void FaultyLine::emit(FrameView frame, TimePoint at) {
     restart_if_due(at);
-    if (!is_restarting(at)) put(frame.bytes(), Way::to_host, at, back_);
+    if (!is_restarting(at)) put(frame.bytes(), Direction::to_host, at, back_);
 }
 
 // Without the vendor's parser, damaged frames are dropped and do not affect the device.

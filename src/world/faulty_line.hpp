@@ -64,13 +64,13 @@ public:
     const FaultCounters& counters() const noexcept { return counters_; }
 
 private:
-    enum class Way : std::uint8_t { to_host, to_device, to_slow_device };
+    enum class Direction : std::uint8_t { to_host, to_device, to_slow_device };
     struct Passing {
-        Way way;
+        Direction way;
         std::vector<std::uint8_t> bytes;
     };
 
-    void put(Bytes frame, Way way, TimePoint at, Noise& chance);
+    void put(Bytes frame, Direction way, TimePoint at, Noise& chance);
     void arrive(const Passing& passing, TimePoint at, const Send& send);
     void wait_for_slow_device(const Passing& passing, TimePoint at);
     void receive(Bytes bytes, TimePoint at);

@@ -1,5 +1,5 @@
 // Request bodies whose content differs from what they appear to be.
-#include <support/token_door.hpp>
+#include <support/token_gateway.hpp>
 
 #include <thread>
 
@@ -9,9 +9,9 @@ namespace {
 using namespace support;
 
 /// With a simulated flight controller.
-class Bodies : public TokenDoor {
+class Bodies : public TokenGateway {
 protected:
-    Bodies() : TokenDoor{R"("sim:fc")"} {}
+    Bodies() : TokenGateway{R"("sim:fc")"} {}
 
     /// The end of the upgrade job that a file starts, or the answer that starts none.
     nlohmann::json flashed(const std::string& file, const std::string& type = "application/octet-stream",

@@ -2,7 +2,7 @@
 #include <support/child.hpp>
 #include <support/pty_device.hpp>
 #include <support/sanitized.hpp>
-#include <support/token_door.hpp>
+#include <support/token_gateway.hpp>
 #include <sys/unique_fd.hpp>
 
 #include <fcntl.h>
@@ -47,9 +47,9 @@ const std::string upgrade =
     "Connection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: "
     "dGhlIHNhbXBsZSBub25jZQ==\r\n";
 
-class ControlRights : public TokenDoor {
+class ControlRights : public TokenGateway {
 protected:
-    ControlRights() : TokenDoor{R"("sim:fc")"} {}
+    ControlRights() : TokenGateway{R"("sim:fc")"} {}
 
     /// Sends a command 20 times over the network and 20 times over the socket; returns the codes that are not "200".
     std::vector<std::string> refused_commands() {

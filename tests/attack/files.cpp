@@ -24,7 +24,7 @@ class Files : public testing::Test {
 protected:
     std::string config() { return dir / "anogate.json"; }
     std::vector<std::string> environment() { return {"STATE_DIRECTORY=" + (dir / "state")}; }
-    std::string kept_file(const std::string& what) {
+    std::string write_atomically(const std::string& what) {
         std::error_code ec;
         const std::string absolute = fs::weakly_canonical(fs::absolute(config(), ec), ec).string();
         return dir / ("state/" + what + "-" + std::to_string(std::hash<std::string>{}(absolute)));
@@ -56,7 +56,7 @@ TEST_F(Files, that_an_earlier_run_left_damaged_are_logged_and_do_not_prevent_the
     fs::create_directory(dir / "state");
     for (const std::string& bytes :
          {std::string(1'000'000, '\x81'), std::string(1'000'000, '\x7F'), std::string{"nonsense"}, std::string{}}) {
-        std::ofstream{kept_file("unconfirmed"), std::ios::binary} << bytes;
+        std::ofstream{write_atomically("unconfirmed"), std::ios::binary} << bytes;
         std::ofstream{dir / "state/flexible.json", std::ios::binary} << bytes;
         Daemon daemon{ANOGATED, dir / "control.sock", {"--config", config()}, environment()};
         EXPECT_TRUE(daemon.until_answers()) << daemon.output();
@@ -111,7 +111,7 @@ TEST_F(Files, that_were_left_half_written_are_removed) {
     const std::string config_with_http = dir.write(
         "anogate.json", R"({"links": ["udp-listen:127.0.0.1:0"], "control": {"http": "127.0.0.1:0", "token_file": ")" +
                             (dir / "state/token") + "\"}}");
-    std::vector<std::string> left{dir / "state/token.2147483646", kept_file("unconfirmed") + ".new",
+    std::vector<std::string> left{dir / "state/token.2147483646", write_atomically("unconfirmed") + ".new",
                                   dir / "state/flexible.json.new", dir / "state/firmware-0xDC.json.new"};
     for (const char* name : of_devices) left.push_back(dir / ("state/" + std::string{name} + ".new"));
     for (const std::string& file : left) std::ofstream{file} << "half";

@@ -9,7 +9,7 @@
 #include <support/temp_dir.hpp>
 #include <support/udp_peer.hpp>
 #include <sys/asio.hpp>
-#include <sys/files/path_claim.hpp>
+#include <sys/files/path_lock.hpp>
 
 #include <gtest/gtest.h>
 
@@ -471,7 +471,7 @@ TEST_F(ForeignFolder, files_of_other_users_at_a_lock_path_do_not_block_locking) 
         GTEST_SKIP() << "everybody may write to /run/anogate here";
     std::string lock;
     EXPECT_EQ(as_nobody([&] {
-                  anogate::PathClaim one, other;
+                  anogate::PathLock one, other;
                   if (!one.take(dir / "tmp/app") || locks() != 1) return 1;
                   if (const auto taken = other.take(dir / "tmp/../tmp/app"); taken || !taken.error().in_use) return 2;
                   if (!one.take(dir / "tmp/app")) return 3;
@@ -483,13 +483,13 @@ TEST_F(ForeignFolder, files_of_other_users_at_a_lock_path_do_not_block_locking) 
               0);
     ASSERT_EQ(locks(), 1);
     lock = fs::directory_iterator { dir / "tmp" } -> path();
-    EXPECT_EQ(as_nobody([&] { return anogate::PathClaim{}.take(dir / "tmp/app") ? 0 : 1; }), 0) << "what a dead one left";
+    EXPECT_EQ(as_nobody([&] { return anogate::PathLock{}.take(dir / "tmp/app") ? 0 : 1; }), 0) << "what a dead one left";
     EXPECT_EQ(locks(), 0);
     ASSERT_EQ(::symlink(precious.c_str(), lock.c_str()), 0);
-    EXPECT_EQ(as_nobody([&] { return anogate::PathClaim{}.take(dir / "tmp/app") ? 0 : 1; }), 0) << "a link of root's";
+    EXPECT_EQ(as_nobody([&] { return anogate::PathLock{}.take(dir / "tmp/app") ? 0 : 1; }), 0) << "a link of root's";
     fs::remove(lock);
     std::ofstream{lock} << "root's";
-    EXPECT_EQ(as_nobody([&] { return anogate::PathClaim{}.take(dir / "tmp/app") ? 0 : 1; }), 0) << "a file of root's";
+    EXPECT_EQ(as_nobody([&] { return anogate::PathLock{}.take(dir / "tmp/app") ? 0 : 1; }), 0) << "a file of root's";
     EXPECT_TRUE(fs::is_regular_file(lock));
 }
 
@@ -502,8 +502,8 @@ TEST_F(ForeignFolder, locks_of_a_user_are_in_the_runtime_folder_of_that_user_onl
         return Child{[&] {
                    if (!become_nobody() || ::setenv("XDG_RUNTIME_DIR", runtime_dir.c_str(), 1) != 0) return 1;
                    if (::access("/run/anogate", W_OK) == 0) return 2;
-                   if (!anogate::PathClaim{}.take(dir / "open/app")) return 3;
-                   anogate::PathClaim claim;
+                   if (!anogate::PathLock{}.take(dir / "open/app")) return 3;
+                   anogate::PathLock claim;
                    claim.take(dir / "open/app");
                    return fs::is_empty(dir / "open") ? 10 : 11;
                }}
@@ -537,7 +537,7 @@ protected:
     int killed_with(
         const std::string& name, const std::function<int()>& inside = [] { return 0; }) {
         return Child{[&]() -> int {
-                   anogate::PathClaim claim;
+                   anogate::PathLock claim;
                    ::_exit(claim.take(dir / name) ? inside() : 50);
                }}
             .wait();
@@ -548,7 +548,7 @@ protected:
 
 TEST_F(LockFiles, of_killed_processes_are_removed_and_held_ones_are_kept) {
     const int result = as_user([&] {
-        anogate::PathClaim held, next;
+        anogate::PathLock held, next;
         if (!held.take(dir / "held")) return 1;
         if (killed_with("a", [&] { return killed_with("b") + killed_with("held"); }) != 50)
             return 2;    // a is held while b is locked
@@ -567,7 +567,7 @@ TEST_F(LockFiles, are_never_held_twice_while_others_remove_stale_ones) {
         std::vector<std::unique_ptr<Child>> others, takers;
         for (const std::string name : {"x", "y"})
             others.push_back(std::make_unique<Child>([&, name]() -> int {
-                for (;;) anogate::PathClaim{}.take(dir / name);
+                for (;;) anogate::PathLock{}.take(dir / name);
             }));
         const auto alone = [&] {
             const int marker = ::open((own + "/marker").c_str(), O_CREAT | O_EXCL | O_CLOEXEC, 0600);

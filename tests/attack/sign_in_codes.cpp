@@ -1,7 +1,7 @@
 // One-time codes: reused, guessed, expired, and sent by pages of other sites.
 #include <control/login_route.hpp>
 #include <support/http.hpp>
-#include <support/token_door.hpp>
+#include <support/token_gateway.hpp>
 
 #include <nlohmann/json.hpp>
 
@@ -12,7 +12,7 @@ using namespace support;
 using namespace std::chrono_literals;
 using nlohmann::json;
 
-class SignInCodes : public TokenDoor {
+class SignInCodes : public TokenGateway {
 protected:
     std::string made(const std::string& wanted) {
         const std::string answer = http(socket, "POST /login/code HTTP/1.0\r\nHost: x\r\nContent-Length: " +
@@ -166,7 +166,8 @@ protected:
     static anogate::http::Request request(const std::string& body) {
         anogate::http::Request request;
         request.body = body;
-        request.door = {.is_network = true, .needs_token = true, .local = "192.168.1.5", .port = 8088, .peer = "192.168.1.77"};
+        request.connection_info = {
+            .is_network = true, .needs_token = true, .local = "192.168.1.5", .port = 8088, .peer = "192.168.1.77"};
         return request;
     }
     std::string make(const std::string& wanted) {

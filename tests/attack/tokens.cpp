@@ -1,6 +1,6 @@
 // Tokens, cookies, and the requests that browsers send for pages of other sites.
 #include <support/http.hpp>
-#include <support/token_door.hpp>
+#include <support/token_gateway.hpp>
 #include <sys/unique_fd.hpp>
 
 #include <sys/socket.h>
@@ -12,7 +12,7 @@ namespace {
 
 using namespace support;
 
-using Tokens = TokenDoor;
+using Tokens = TokenGateway;
 
 std::string cookie_in(const std::string& answer) {
     const std::string name = "Set-Cookie: ";
@@ -105,7 +105,7 @@ TEST_F(Tokens, a_viewer_can_sign_in_for_control) {
     EXPECT_EQ(code("POST /gpio", sent_back(cookie_in(more)), "{}"), "404") << "there is no such line";
 }
 
-using OtherSites = TokenDoor;
+using OtherSites = TokenGateway;
 
 TEST_F(OtherSites, start_and_change_nothing) {
     const std::string marked = "Sec-Fetch-Site: cross-site\r\n", token = bearer(control_token);
@@ -149,7 +149,7 @@ TEST_F(OtherSites, and_proxies_can_use_only_chunked_coding_and_query_the_options
     EXPECT_NE(options.find("Allow: "), std::string::npos) << options;
 }
 
-class Reloaded : public TokenDoor {
+class Reloaded : public TokenGateway {
 protected:
     std::string reload() { return body_of(http(socket, "POST /reload HTTP/1.0\r\n\r\n")); }
     std::string new_token = "another-token-0123456789";

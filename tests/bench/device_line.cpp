@@ -98,7 +98,7 @@ void DeviceLine::read() {
 }
 
 void DeviceLine::put(bool to_device, const support::Bytes& frame) {
-    Way& way = to_device ? there_ : back_;
+    Direction& way = to_device ? there_ : back_;
     way.bytes += frame.size();
     const auto on_wire = faults_.baud == 0 ? 0ns : std::chrono::nanoseconds{frame.size() * 10'000'000'000 / faults_.baud};
     way.free_at = std::max(way.free_at, Clock::now()) + on_wire;

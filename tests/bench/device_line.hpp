@@ -34,7 +34,7 @@ public:
 
 private:
     using Clock = std::chrono::steady_clock;
-    struct Way {
+    struct Direction {
         Clock::time_point free_at{};
         std::atomic<std::uint64_t> bytes{0};
     };
@@ -58,7 +58,7 @@ private:
     std::string link_;
     std::vector<std::uint8_t> sender_;    // with UDP: the destination of answers
     ano::FrameParser parser_{{}};
-    Way there_, back_;
+    Direction there_, back_;
     std::multimap<Clock::time_point, Event> events_;
     std::atomic<bool> stop_{false};
     std::thread thread_;

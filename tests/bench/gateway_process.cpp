@@ -41,14 +41,14 @@ nlohmann::json GatewayProcess::status() const {
                                  false);
 }
 
-GatewayProcess::HttpDoor GatewayProcess::http_door() const {
+GatewayProcess::HttpAddress GatewayProcess::http_address() const {
     const nlohmann::json http = status().at("http");
-    HttpDoor door{http.at("port"), {}};
-    if (!http.at("token_needed")) return door;
+    HttpAddress address{http.at("port"), {}};
+    if (!http.at("token_needed")) return address;
     std::ifstream file{http.at("token_file").get<std::string>()};
     for (std::string access, token; file >> access >> token;)
-        if (access == "control") door.token = token;
-    return door;
+        if (access == "control") address.token = token;
+    return address;
 }
 
 nlohmann::json GatewayProcess::link(const std::string& name) const {

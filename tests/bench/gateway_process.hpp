@@ -20,11 +20,11 @@ public:
     nlohmann::json link(const std::string& name) const;
     std::uint16_t port(const std::string& link_name) const { return link(link_name).at("port").get<std::uint16_t>(); }
     /// The HTTP port on 127.0.0.1 and its token; empty: none is needed.
-    struct HttpDoor {
+    struct HttpAddress {
         std::uint16_t port;
         std::string token;
     };
-    HttpDoor http_door() const;
+    HttpAddress http_address() const;
     /// The path of its control socket.
     std::string control() const { return folder_ / "control"; }
     pid_t pid() const noexcept { return process_.pid(); }

@@ -52,12 +52,12 @@ void measure_page(Run& run) {
     const Undisturbed all;                                   // if that is permitted
     const Forwarder looked_at = anogated_with_http(run.anogated), beside = anogated_with_http(run.anogated);
     ::unsetenv("STATE_DIRECTORY");
-    const auto door = looked_at.gateway->http_door();
+    const auto address = looked_at.gateway->http_address();
     const Sink sink{{looked_at.taken_at().front(), beside.taken_at().front()}};
     for (const Case& c : cases) {
         std::vector<double> with, without;
         for (int i = 0; i < rounds; ++i) {
-            const PageReader page{door.port, door.token};
+            const PageReader page{address.port, address.token};
             const Steady traffic{looked_at.port, beside.port, c.rate};
             std::this_thread::sleep_for(settling);
             const Used looked_at_before{looked_at}, beside_before{beside};

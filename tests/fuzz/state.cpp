@@ -3,7 +3,7 @@
 #include <devices/notes.hpp>
 #include <managed/managed_parameters.hpp>
 #include <runtime/kept_config.hpp>
-#include <runtime/stored_state.hpp>
+#include <runtime/restart_state.hpp>
 
 #include <cstdint>
 #include <cstdlib>
@@ -24,7 +24,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const std::string_view bytes{reinterpret_cast<const char*>(data), size};
     const auto kept = parse_kept_config(bytes);
     must_hold(!kept || !bytes.empty());
-    parse_stored_state(bytes, {});
+    parse_restart_state(bytes, {});
     WrittenValues::parse(bytes);
     KeptFlexible::parse(bytes);
     for (const char* name : {"firmware-0xDC-1a2b3c4d.json", "type7-0xDC-1a2b3c4d.json", "calibration-0xDC-1a2b3c4d-compass.json"})

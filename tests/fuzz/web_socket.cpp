@@ -50,14 +50,14 @@ public:
     void end_output() override {}
     void close() override { closed_ = true; }
     std::uint32_t user() const override { return unknown_user; }
-    const Door& door() const override { return door_; }
+    const ConnectionInfo& connection_info() const override { return door_; }
 
 private:
     asio::io_context& io_;
     std::string_view bytes_;
     std::size_t step_;
     bool closed_ = false;
-    Door door_;
+    ConnectionInfo door_;
 };
 
 // Sends every message back.

@@ -253,7 +253,7 @@ TEST_F(ControlInterface, answers_every_route_of_its_list) {
         {"POST /recordings/{name}/end",
          [this] { refuses("POST", "/recordings/none/end", 404, "unknown", "no recording with that name"); }},
         {"DELETE /recordings/{name}", [this] { refuses("DELETE", "/recordings/%2e.", 422, "invalid", "no leading dot"); }},
-        {"POST /login", [this] { refuses("POST", "/login", 400, "invalid", "token", "{}"); }},                     // NetworkDoor
+        {"POST /login", [this] { refuses("POST", "/login", 400, "invalid", "token", "{}"); }},    // NetworkListener
         {"POST /login/code", [this] { refuses("POST", "/login/code", 409, "busy", "no token allows", "{}"); }},    // SignInCodes
         {"POST /logout", [this] { EXPECT_EQ(ask("POST", "/logout").status, 200u); }},                              // Tokens
     };

@@ -1,5 +1,5 @@
 // The Foxglove WebSocket protocol over a whole gateway, with correct and faulty clients.
-#include <support/control_door.hpp>
+#include <support/controlled_gateway.hpp>
 #include <support/process.hpp>
 #include <support/udp_peer.hpp>
 
@@ -35,8 +35,8 @@ const std::vector<Field> offers{{"Sec-WebSocket-Protocol", "foxglove.websocket.v
 /// A client that stores everything it receives.
 class Plotter {
 public:
-    explicit Plotter(ControlDoor& door, const std::string& target = "/", const std::vector<Field>& headers = offers)
-        : message_client{door, target, headers} {}
+    explicit Plotter(ControlledGateway& gateway, const std::string& target = "/", const std::vector<Field>& headers = offers)
+        : message_client{gateway, target, headers} {}
 
     std::vector<json> said(const std::string& op) const {
         std::vector<json> all;
@@ -68,7 +68,7 @@ public:
 
 class Foxglove : public testing::Test {
 protected:
-    bool until(const std::function<bool()>& holds) { return door.gateway.until(holds); }
+    bool until(const std::function<bool()>& holds) { return gateway.gateway.until(holds); }
     bool until_told(const Plotter& plotter, const std::string& topic) {
         return until([&] {
             const bool is_there = !plotter.channel(topic).is_null();
@@ -76,9 +76,9 @@ protected:
             return is_there;
         });
     }
-    void send(const Bytes& bytes) { a.send(door.gateway.port("a"), bytes); }
+    void send(const Bytes& bytes) { a.send(gateway.gateway.port("a"), bytes); }
     bool until_in(std::size_t count) {
-        return until([&] { return door.gateway.count("a", "frames_in") == count; });
+        return until([&] { return gateway.gateway.count("a", "frames_in") == count; });
     }
     /// The messages of a client are handled in the next turns of the loop.
     bool until_heard(Plotter& plotter) {
@@ -91,19 +91,19 @@ protected:
                 is_answered = plotter.message_client.texts()[looked_at].find('"' + id + '"') != std::string::npos;
             return is_answered;
         });
-        door.gateway.run_for(20ms);    // filters change after that
+        gateway.gateway.run_for(20ms);    // filters change after that
         return is_answered;
     }
 
     UdpPeer a;
-    ControlDoor door{{a.link("a")}};
+    ControlledGateway gateway{{a.link("a")}};
 
 private:
     int questions_ = 0;
 };
 
 TEST_F(Foxglove, a_client_of_the_subprotocol_at_the_root_path_receives_server_info_and_channels) {
-    Plotter plotter{door};
+    Plotter plotter{gateway};
     ASSERT_TRUE(until([&] { return plotter.said("advertise").size() == 1; }));
     EXPECT_EQ(json::parse(plotter.message_client.texts().front()).at("op"), "serverInfo");
     EXPECT_EQ(plotter.channel("/anogate/frames").at("schemaName"), "ano_msgs/msg/RecordedFrame");
@@ -116,7 +116,7 @@ TEST_F(Foxglove, a_client_of_the_subprotocol_at_the_root_path_receives_server_in
 }
 
 TEST_F(Foxglove, only_subscribed_channels_are_sent) {
-    Plotter plotter{door};
+    Plotter plotter{gateway};
     ASSERT_TRUE(until_told(plotter, "/a/device_220/euler"));
     send(wind);
     ASSERT_TRUE(until([&] { return !plotter.channel("/a/device_221/wind").is_null(); }));
@@ -128,15 +128,15 @@ TEST_F(Foxglove, only_subscribed_channels_are_sent) {
     plotter.send({{"op", "unsubscribe"}, {"subscriptionIds", {7}}});
     ASSERT_TRUE(until_heard(plotter));
     send(euler);
-    door.gateway.run_for(100ms);
+    gateway.gateway.run_for(100ms);
     EXPECT_EQ(plotter.message_client.messages().size(), 3u);
     EXPECT_TRUE(plotter.said("status").empty());
 }
 
 TEST_F(Foxglove, channels_of_a_removed_link_are_unadvertised_even_without_new_frames) {
-    Plotter plotter{door}, other{door, "/", {{"Sec-WebSocket-Protocol", "foxglove.sdk.v1"}}};
+    Plotter plotter{gateway}, other{gateway, "/", {{"Sec-WebSocket-Protocol", "foxglove.sdk.v1"}}};
     ASSERT_TRUE(until_told(plotter, "/a/device_220/euler") && until_told(other, "/a/device_220/euler"));
-    anogate::Gateway& gateway = door.gateway.gateway();
+    anogate::Gateway& gateway = gateway.gateway.gateway();
     anogate::Settings settings = gateway.settings();
     settings.links.clear();
     bool is_changed = false;
@@ -145,14 +145,14 @@ TEST_F(Foxglove, channels_of_a_removed_link_are_unadvertised_even_without_new_fr
     const json gone = plotter.said("unadvertise").front().at("channelIds");
     EXPECT_NE(std::find(gone.begin(), gone.end(), plotter.channel("/a/device_220/euler").at("id")), gone.end()) << gone;
     EXPECT_EQ(std::find(gone.begin(), gone.end(), plotter.channel("/anogate/frames").at("id")), gone.end()) << gone;
-    Plotter later{door};
+    Plotter later{gateway};
     ASSERT_TRUE(until([&] { return !later.said("advertise").empty(); }));
     ASSERT_TRUE(until_heard(later));
     EXPECT_TRUE(later.channel("/a/device_220/euler").is_null());
 }
 
 TEST_F(Foxglove, a_second_subscription_loses_no_messages_of_the_first) {
-    Plotter plotter{door};
+    Plotter plotter{gateway};
     ASSERT_TRUE(until_told(plotter, "/a/device_220/euler"));
     send(wind);
     ASSERT_TRUE(until([&] { return !plotter.channel("/a/device_221/wind").is_null(); }));
@@ -163,13 +163,13 @@ TEST_F(Foxglove, a_second_subscription_loses_no_messages_of_the_first) {
         for (int n = 0; n < 10; ++n, ++sent) send(euler);
         if (i % 2 == 0) plotter.subscribe(2, plotter.channel("/a/device_221/wind"));
         else plotter.send({{"op", "unsubscribe"}, {"subscriptionIds", {2}}});
-        door.gateway.run_for(3ms);    // within the interval of a batch
+        gateway.gateway.run_for(3ms);    // within the interval of a batch
     }
     EXPECT_TRUE(until([&] { return plotter.shown(1) == sent; })) << plotter.shown(1) << " of " << sent;
 }
 
 TEST_F(Foxglove, frames_are_sent_with_their_cause_whether_forwarded_or_dropped) {
-    Plotter plotter{door};
+    Plotter plotter{gateway};
     ASSERT_TRUE(until([&] { return !plotter.channel("/anogate/frames").is_null(); }));
     plotter.subscribe(3, plotter.channel("/anogate/frames"));
     ASSERT_TRUE(until_heard(plotter));
@@ -179,7 +179,7 @@ TEST_F(Foxglove, frames_are_sent_with_their_cause_whether_forwarded_or_dropped) 
 }
 
 TEST_F(Foxglove, messages_are_json_if_requested) {
-    Plotter plotter{door, "/?encoding=json"};
+    Plotter plotter{gateway, "/?encoding=json"};
     ASSERT_TRUE(until_told(plotter, "/a/device_220/euler"));
     const json channel = plotter.channel("/a/device_220/euler");
     EXPECT_EQ(channel.at("encoding"), "json");
@@ -189,46 +189,46 @@ TEST_F(Foxglove, messages_are_json_if_requested) {
     send(euler);
     ASSERT_TRUE(until([&] { return plotter.shown(0) == 1; }));
     EXPECT_EQ(json::parse(plotter.message_client.messages().front().substr(13)).at("rol"), 1.23);
-    Plotter wrong{door, "/foxglove?encoding=protobuf"};
+    Plotter wrong{gateway, "/foxglove?encoding=protobuf"};
     ASSERT_TRUE(until([&] { return wrong.message_client.ended.has_value(); }));
     EXPECT_EQ(wrong.message_client.ended->answer.status, 400u);
     EXPECT_NE(wrong.message_client.ended->answer.body.find("'encoding' must be cdr or json, not 'protobuf'"), std::string::npos);
 }
 
 TEST_F(Foxglove, the_path_foxglove_requires_the_subprotocol) {
-    Plotter plotter{door, "/foxglove"}, without{door, "/foxglove", {}};
+    Plotter plotter{gateway, "/foxglove"}, without{gateway, "/foxglove", {}};
     EXPECT_TRUE(until([&] { return !plotter.said("serverInfo").empty(); }));
     ASSERT_TRUE(until([&] { return without.message_client.ended.has_value(); }));
     EXPECT_EQ(without.message_client.ended->answer.status, 400u);
     EXPECT_NE(without.message_client.ended->answer.body.find("needs the subprotocol foxglove.sdk.v1"), std::string::npos);
-    EXPECT_EQ(door.ask("GET", "/foxglove").status, 426u);
+    EXPECT_EQ(gateway.ask("GET", "/foxglove").status, 426u);
 }
 
 TEST_F(Foxglove, frames_are_not_observed_after_the_last_client_disconnects) {
-    const auto is_watched = [&] { return door.gateway.gateway().forwarder().is_observed(); };
+    const auto is_watched = [&] { return gateway.gateway.gateway().forwarder().is_observed(); };
     EXPECT_FALSE(is_watched());
-    Plotter one{door}, two{door};
+    Plotter one{gateway}, two{gateway};
     ASSERT_TRUE(until_told(one, "/a/device_220/euler"));
     one.subscribe(1, one.channel("/a/device_220/euler"));
     ASSERT_TRUE(until_heard(one));
     one.message_client.leave();
-    door.gateway.run_for(50ms);
+    gateway.gateway.run_for(50ms);
     EXPECT_TRUE(is_watched());
     two.message_client.leave();
     EXPECT_TRUE(until([&] { return !is_watched(); }));
-    Plotter again{door};
+    Plotter again{gateway};
     ASSERT_TRUE(until_told(again, "/a/device_220/euler"));
 }
 
 TEST_F(Foxglove, a_later_client_receives_the_channels_found_earlier) {
-    Plotter first{door};
+    Plotter first{gateway};
     ASSERT_TRUE(until_told(first, "/a/device_220/euler"));
-    Plotter second{door};
+    Plotter second{gateway};
     EXPECT_TRUE(until([&] { return !second.channel("/a/device_220/euler").is_null(); }));
 }
 
 TEST_F(Foxglove, invalid_messages_are_answered_and_too_large_ones_close_the_connection) {
-    Plotter plotter{door};
+    Plotter plotter{gateway};
     ASSERT_TRUE(until([&] { return plotter.message_client.is_open(); }));
     plotter.message_client.send("nonsense", Kind::text);
     plotter.message_client.send({'\1', '\2'}, Kind::binary);
@@ -237,13 +237,13 @@ TEST_F(Foxglove, invalid_messages_are_answered_and_too_large_ones_close_the_conn
     for (const json& status : plotter.said("status")) EXPECT_EQ(status.at("level"), 2) << status;
     for (unsigned i = 0; i < 2000; ++i) {
         plotter.send({{"op", "subscribe"}, {"subscriptions", {{{"id", i}, {"channelId", 999}}}}});
-        if (i % 200 == 0) door.gateway.run_for(1ms);
+        if (i % 200 == 0) gateway.gateway.run_for(1ms);
     }
     ASSERT_TRUE(until_heard(plotter));
     EXPECT_GT(plotter.said("status").size(), 3u);
     plotter.message_client.send(std::string(65 * 1024, ' '), Kind::text);
     EXPECT_TRUE(until([&] { return plotter.message_client.ended.has_value(); }));
-    EXPECT_TRUE(door.gateway.counters_add_up());
+    EXPECT_TRUE(gateway.gateway.counters_add_up());
 }
 
 // A client's frames, made by hand: this client stops reading.
@@ -253,8 +253,8 @@ std::string masked(const std::string& text) {
 }
 
 TEST_F(Foxglove, a_slow_client_delays_no_other_one_and_receives_a_report_of_lost_messages) {
-    Plotter awake{door};
-    const int sleeper = connect_unix(door.path);
+    Plotter awake{gateway};
+    const int sleeper = connect_unix(gateway.path);
     const std::string begin =
         "GET / HTTP/1.1\r\nHost: x\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n"
         "Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n"
@@ -264,7 +264,7 @@ TEST_F(Foxglove, a_slow_client_delays_no_other_one_and_receives_a_report_of_lost
     ASSERT_TRUE(until([&] { return !awake.channel("/anogate/frames").is_null(); }));
     awake.subscribe(1, awake.channel("/anogate/frames"));
     ASSERT_TRUE(until_heard(awake));
-    door.gateway.run_for(100ms);
+    gateway.gateway.run_for(100ms);
     constexpr std::size_t count = 1200;
     const Bytes big = frame(0xDC, 0x00, 0xF1, Bytes(4000, 7));
     for (std::size_t i = 0; i < count; ++i) {
@@ -288,9 +288,9 @@ TEST_F(Foxglove, a_slow_client_delays_no_other_one_and_receives_a_report_of_lost
 
 class FoxgloveParameters : public testing::Test {
 protected:
-    bool until(const std::function<bool()>& holds) { return door.gateway.until(holds); }
+    bool until(const std::function<bool()>& holds) { return gateway.gateway.until(holds); }
     void SetUp() override {
-        ASSERT_TRUE(until([&] { return !plotter.said("advertise").empty() && !door.gateway.route("0xDC").is_null(); }));
+        ASSERT_TRUE(until([&] { return !plotter.said("advertise").empty() && !gateway.gateway.route("0xDC").is_null(); }));
     }
     /// The answer to a question; null: there was none.
     json answer(const json& names, const std::string& id) {
@@ -304,8 +304,8 @@ protected:
         return found;
     }
 
-    ControlDoor door{{"sim:fc,name=fc"}};
-    Plotter plotter{door};
+    ControlledGateway gateway{{"sim:fc,name=fc"}};
+    Plotter plotter{gateway};
 };
 
 TEST_F(FoxgloveParameters, are_read_from_devices_by_name_and_listed_from_then_on) {
@@ -318,7 +318,7 @@ TEST_F(FoxgloveParameters, are_read_from_devices_by_name_and_listed_from_then_on
     EXPECT_TRUE(values[1].at("value").is_number_integer());
     EXPECT_EQ(plotter.said("status").size(), 1u) << "9 is not heard";
     EXPECT_EQ(answer(json::array(), "behind").size(), 2u);
-    Plotter another{door};
+    Plotter another{gateway};
     ASSERT_TRUE(until([&] { return another.message_client.is_open(); }));
     another.send({{"op", "getParameters"}, {"parameterNames", json::array()}, {"id", "x"}});
     ASSERT_TRUE(until([&] { return !another.said("parameterValues").empty(); }));
@@ -327,7 +327,7 @@ TEST_F(FoxgloveParameters, are_read_from_devices_by_name_and_listed_from_then_on
 
 TEST_F(FoxgloveParameters, that_others_write_are_sent_to_subscribed_clients) {
     plotter.send({{"op", "subscribeParameterUpdates"}, {"parameterNames", {"fc/220/SIM_SWAY"}}});
-    EXPECT_EQ(door.ask("PUT", "/devices/0xDC/parameters/SIM_SWAY", R"({"value": 12.5})").status, 200u);
+    EXPECT_EQ(gateway.ask("PUT", "/devices/0xDC/parameters/SIM_SWAY", R"({"value": 12.5})").status, 200u);
     ASSERT_TRUE(until([&] { return !plotter.said("parameterValues").empty(); }));
     const json told = plotter.said("parameterValues").front();
     EXPECT_EQ(told.at("parameters"), json::parse(R"([{"name":"fc/220/SIM_SWAY","value":12.5,"type":"float64"}])"));
@@ -344,11 +344,11 @@ TEST_F(FoxgloveParameters, are_not_written) {
 TEST_F(FoxgloveParameters, that_a_disconnected_client_requested_cause_no_harm) {
     for (int i = 0; i < 10; ++i)
         plotter.send({{"op", "getParameters"}, {"parameterNames", {"fc/220/SIM_SWAY"}}, {"id", std::to_string(i)}});
-    door.gateway.run_for(1ms);
+    gateway.gateway.run_for(1ms);
     plotter.message_client.leave();
-    Plotter another{door};
+    Plotter another{gateway};
     ASSERT_TRUE(until([&] { return another.message_client.is_open(); }));
-    door.gateway.run_for(300ms);
+    gateway.gateway.run_for(300ms);
     EXPECT_TRUE(another.said("parameterValues").empty());
 }
 
@@ -356,7 +356,7 @@ TEST_F(FoxgloveParameters, that_a_disconnected_client_requested_cause_no_harm) {
 
 const std::string looks = "view-token-0123456789", acts = "control-token-0123456789";
 
-class FoxgloveDoor : public testing::Test {
+class FoxgloveAccess : public testing::Test {
 protected:
     void start() {
         daemon.emplace(ANOGATED, dir / "control.sock", std::vector<std::string>{"--config", config});
@@ -403,7 +403,7 @@ protected:
     std::uint16_t port = 0;
 };
 
-TEST_F(FoxgloveDoor, accepts_a_token_in_the_query_or_in_a_header) {
+TEST_F(FoxgloveAccess, accepts_a_token_in_the_query_or_in_a_header) {
     EXPECT_EQ(code_of(joined("/?token=" + looks)), "101");
     EXPECT_EQ(code_of(joined("/foxglove?token=" + acts + "&encoding=json")), "101");
     EXPECT_EQ(code_of(joined("/", "Authorization: Bearer " + looks + "\r\n")), "101");
@@ -417,13 +417,13 @@ TEST_F(FoxgloveDoor, accepts_a_token_in_the_query_or_in_a_header) {
               "401");
 }
 
-TEST_F(FoxgloveDoor, blocks_clients_that_guess_tokens) {
+TEST_F(FoxgloveAccess, blocks_clients_that_guess_tokens) {
     for (int i = 0; i < 10; ++i) EXPECT_EQ(code_of(joined("/?token=guess" + std::to_string(i))), "401");
     EXPECT_EQ(code_of(joined("/?token=guess")), "429");
     EXPECT_EQ(code_of(joined("/?token=" + looks)), "101") << "a right one is always taken";
 }
 
-TEST_F(FoxgloveDoor, rejects_other_host_names_and_origins_that_are_not_allowed) {
+TEST_F(FoxgloveAccess, rejects_other_host_names_and_origins_that_are_not_allowed) {
     EXPECT_EQ(code_of(joined("/?token=" + looks, {}, "evil.example")), "403") << "a name that was made to lead here";
     EXPECT_EQ(code_of(joined("/?token=" + looks, "Origin: https://evil.example\r\n")), "403");
     EXPECT_EQ(code_of(joined("/?token=" + looks, "Origin: null\r\n")), "403");
@@ -431,7 +431,7 @@ TEST_F(FoxgloveDoor, rejects_other_host_names_and_origins_that_are_not_allowed) 
     EXPECT_EQ(code_of(joined("/?token=" + looks, "Origin: file://\r\n")), "101");
 }
 
-TEST_F(FoxgloveDoor, never_returns_or_logs_a_token) {
+TEST_F(FoxgloveAccess, never_returns_or_logs_a_token) {
     const std::vector<std::string> answers{
         joined("/?token=" + looks),          joined("/?token=wrong-" + looks),
         joined("/nothing?token=" + looks),   joined("/foxglove?encoding=" + looks.substr(0, 4) + "&token=" + looks),
@@ -442,7 +442,7 @@ TEST_F(FoxgloveDoor, never_returns_or_logs_a_token) {
     EXPECT_EQ(daemon->output().find(looks), std::string::npos) << daemon->output();
 }
 
-TEST_F(FoxgloveDoor, of_a_restarted_gateway_has_another_session_id) {
+TEST_F(FoxgloveAccess, of_a_restarted_gateway_has_another_session_id) {
     const auto session = [&] {
         const std::string answer = joined("/?token=" + looks);
         const auto begin = answer.find("\"sessionId\":\"");

@@ -1,5 +1,5 @@
 // Clients of GET /frames: WebSockets of both forms, and endless lines.
-#include <support/control_door.hpp>
+#include <support/controlled_gateway.hpp>
 #include <support/process.hpp>
 #include <support/udp_peer.hpp>
 
@@ -53,26 +53,26 @@ Seen seen(const MessageClient& message_client) {
 class Frames : public testing::Test {
 protected:
     bool until_open(const MessageClient& message_client) {
-        return door.gateway.until([&] { return message_client.is_open(); });
+        return gateway.gateway.until([&] { return message_client.is_open(); });
     }
     /// The first text contains the numbers: from then on it receives frames.
     bool until_watches(const MessageClient& message_client) {
-        return door.gateway.until([&] { return !message_client.texts().empty(); });
+        return gateway.gateway.until([&] { return !message_client.texts().empty(); });
     }
     bool until_seen(const MessageClient& message_client, std::size_t count) {
-        return door.gateway.until([&] { return seen(message_client).frames.size() == count; });
+        return gateway.gateway.until([&] { return seen(message_client).frames.size() == count; });
     }
-    void send(const Bytes& bytes) { a.send(door.gateway.port("a"), bytes); }
+    void send(const Bytes& bytes) { a.send(gateway.gateway.port("a"), bytes); }
     bool until_in(std::size_t count) {
-        return door.gateway.until([&] { return door.gateway.count("a", "frames_in") == count; });
+        return gateway.gateway.until([&] { return gateway.gateway.count("a", "frames_in") == count; });
     }
 
     UdpPeer a, b;
-    ControlDoor door{{a.link("a"), b.link("b")}};
+    ControlledGateway gateway{{a.link("a"), b.link("b")}};
 };
 
 TEST_F(Frames, binary_clients_receive_the_numbering_first_and_then_each_frame) {
-    MessageClient message_client{door, "/frames?format=binary"};
+    MessageClient message_client{gateway, "/frames?format=binary"};
     ASSERT_TRUE(until_watches(message_client));
     const json tables = json::parse(message_client.texts().front());
     EXPECT_EQ(tables.at("links"), (json{"a", "b"}));
@@ -100,7 +100,7 @@ TEST_F(Frames, binary_clients_receive_the_numbering_first_and_then_each_frame) {
 }
 
 TEST_F(Frames, that_a_client_receives_add_up_to_the_counters) {
-    MessageClient message_client{door, "/frames?format=binary"};
+    MessageClient message_client{gateway, "/frames?format=binary"};
     ASSERT_TRUE(until_watches(message_client));
     std::size_t sent = 0;
     for (std::uint8_t n = 0; n < 100; ++n) {
@@ -108,21 +108,21 @@ TEST_F(Frames, that_a_client_receives_add_up_to_the_counters) {
         sent += 2;
     }
     ASSERT_TRUE(until_in(sent));
-    ASSERT_TRUE(door.gateway.until([&] { return seen(message_client).frames.size() == sent + 200; }))
+    ASSERT_TRUE(gateway.gateway.until([&] { return seen(message_client).frames.size() == sent + 200; }))
         << seen(message_client).frames.size();
     const Seen all = seen(message_client);
-    EXPECT_EQ(all.count.at("in"), door.gateway.count("a", "frames_in"));
-    EXPECT_EQ(all.count.at("no_route"), door.gateway.count("a", "no_route"));
+    EXPECT_EQ(all.count.at("in"), gateway.gateway.count("a", "frames_in"));
+    EXPECT_EQ(all.count.at("no_route"), gateway.gateway.count("a", "no_route"));
     EXPECT_EQ(all.count.at("out") + (all.count.contains("superseded") ? all.count.at("superseded") : 0), 100u);
-    EXPECT_EQ(all.count.at("out"), door.gateway.count("b", "frames_out"));
+    EXPECT_EQ(all.count.at("out"), gateway.gateway.count("b", "frames_out"));
 }
 
 TEST_F(Frames, changed_numbers_are_sent_before_the_next_frame) {
-    MessageClient message_client{door, "/frames?format=binary"};
+    MessageClient message_client{gateway, "/frames?format=binary"};
     ASSERT_TRUE(until_watches(message_client));
-    MessageClient program{door, "/link?name=camera"};
+    MessageClient program{gateway, "/link?name=camera"};
     ASSERT_TRUE(until_open(program));
-    ASSERT_TRUE(door.gateway.until([&] { return door.gateway.status().at("links").size() == 3; }));
+    ASSERT_TRUE(gateway.gateway.until([&] { return gateway.gateway.status().at("links").size() == 3; }));
     program.send(wind);
     ASSERT_TRUE(until_seen(message_client, 3)) << "in, and out by both links";
     ASSERT_GE(message_client.texts().size(), 2u);
@@ -134,10 +134,10 @@ TEST_F(Frames, changed_numbers_are_sent_before_the_next_frame) {
 }
 
 TEST_F(Frames, are_sent_as_one_json_message_each) {
-    MessageClient message_client{door, "/frames"};
-    ASSERT_TRUE(door.gateway.until([&] { return door.gateway.gateway().forwarder().is_observed(); }));
+    MessageClient message_client{gateway, "/frames"};
+    ASSERT_TRUE(gateway.gateway.until([&] { return gateway.gateway.gateway().forwarder().is_observed(); }));
     send(euler);
-    ASSERT_TRUE(door.gateway.until([&] { return message_client.texts().size() == 2; }));
+    ASSERT_TRUE(gateway.gateway.until([&] { return message_client.texts().size() == 2; }));
     const json in = json::parse(message_client.texts().at(0)), out = json::parse(message_client.texts().at(1));
     EXPECT_EQ(in.at("name"), "euler");
     EXPECT_EQ(in.at("fields").at("rol"), 1.23);
@@ -148,14 +148,14 @@ TEST_F(Frames, are_sent_as_one_json_message_each) {
 }
 
 TEST_F(Frames, with_the_address_of_a_device_on_another_link_are_marked_and_can_be_omitted) {
-    MessageClient all{door, "/frames?format=binary&direction=in"},
-        believed{door, "/frames?format=binary&direction=in&elsewhere=no"};
-    MessageClient lines{door, "/frames?direction=in"};
+    MessageClient all{gateway, "/frames?format=binary&direction=in"},
+        believed{gateway, "/frames?format=binary&direction=in&elsewhere=no"};
+    MessageClient lines{gateway, "/frames?direction=in"};
     ASSERT_TRUE(until_watches(all) && until_watches(believed));
     send(euler);
     ASSERT_TRUE(until_in(1));
-    b.send(door.gateway.port("b"), euler);
-    ASSERT_TRUE(door.gateway.until([&] { return door.gateway.count("b", "frames_in") == 1; }));
+    b.send(gateway.gateway.port("b"), euler);
+    ASSERT_TRUE(gateway.gateway.until([&] { return gateway.gateway.count("b", "frames_in") == 1; }));
     send(wind);
     ASSERT_TRUE(until_seen(all, 3) && until_seen(believed, 2));
     std::vector<bool> marks;
@@ -165,13 +165,13 @@ TEST_F(Frames, with_the_address_of_a_device_on_another_link_are_marked_and_can_b
     }
     EXPECT_EQ(marks, (std::vector<bool>{false, true, false}));
     EXPECT_EQ(seen(believed).frames, (std::vector<Bytes>{euler, wind}));
-    ASSERT_TRUE(door.gateway.until([&] { return lines.texts().size() == 3; }));
+    ASSERT_TRUE(gateway.gateway.until([&] { return lines.texts().size() == 3; }));
     EXPECT_EQ(json::parse(lines.texts().at(1)).value("elsewhere", false), true);
     EXPECT_FALSE(json::parse(lines.texts().at(0)).contains("elsewhere"));
 }
 
 TEST_F(Frames, filters_select_frames_and_wrong_ones_are_reported) {
-    MessageClient message_client{door, "/frames?format=binary&id=wind&direction=out&link=b&from=0xDD"};
+    MessageClient message_client{gateway, "/frames?format=binary&id=wind&direction=out&link=b&from=0xDD"};
     ASSERT_TRUE(until_watches(message_client));
     send(euler);
     send(wind);
@@ -179,7 +179,7 @@ TEST_F(Frames, filters_select_frames_and_wrong_ones_are_reported) {
     ASSERT_TRUE(until_seen(message_client, 1));
     EXPECT_EQ(seen(message_client).frames.front(), wind);
     const auto refused = [&](const std::string& query) {
-        const Answer answer = door.ask("GET", "/frames?" + query);
+        const Answer answer = gateway.ask("GET", "/frames?" + query);
         EXPECT_EQ(answer.status, 400u) << answer.body;
         return json::parse(answer.body).at("error").get<std::string>();
     };
@@ -188,14 +188,14 @@ TEST_F(Frames, filters_select_frames_and_wrong_ones_are_reported) {
               "elsewhere, batch and format");
     EXPECT_EQ(refused("link=aa"), "there is no link 'aa'; use one of control, a, b");
     EXPECT_EQ(refused("format=binary"), "format=binary needs a WebSocket; lines are JSON");
-    MessageClient wrong{door, "/frames?id=wnd"};
-    ASSERT_TRUE(door.gateway.until([&] { return wrong.ended.has_value(); }));
+    MessageClient wrong{gateway, "/frames?id=wnd"};
+    ASSERT_TRUE(gateway.gateway.until([&] { return wrong.ended.has_value(); }));
     EXPECT_EQ(wrong.ended->answer.status, 400u);
     EXPECT_NE(wrong.ended->answer.body.find("did you mean 'wind'?"), std::string::npos) << wrong.ended->answer.body;
 }
 
 TEST_F(Frames, are_batched_for_the_requested_time_after_the_first_one) {
-    MessageClient message_client{door, "/frames?format=binary&direction=in&batch=200ms"};
+    MessageClient message_client{gateway, "/frames?format=binary&direction=in&batch=200ms"};
     ASSERT_TRUE(until_watches(message_client));
     std::size_t sent = 0;
     for (std::size_t messages = 0; messages < 4; messages = message_client.messages().size()) {
@@ -203,7 +203,7 @@ TEST_F(Frames, are_batched_for_the_requested_time_after_the_first_one) {
             send(euler);
             ASSERT_TRUE(until_in(++sent));
         }
-        ASSERT_TRUE(door.gateway.until([&] { return message_client.messages().size() > messages; }));
+        ASSERT_TRUE(gateway.gateway.until([&] { return message_client.messages().size() > messages; }));
     }
     ASSERT_TRUE(until_seen(message_client, sent));
     std::vector<std::chrono::nanoseconds> begun;
@@ -216,7 +216,7 @@ TEST_F(Frames, are_batched_for_the_requested_time_after_the_first_one) {
 
 // The loop is awake at that time, so a message needs no wake-up of its own.
 TEST_F(Frames, are_sent_early_when_another_frame_arrives_shortly_before_their_time) {
-    MessageClient message_client{door, "/frames?format=binary&direction=in&batch=200ms"};
+    MessageClient message_client{gateway, "/frames?format=binary&direction=in&batch=200ms"};
     ASSERT_TRUE(until_watches(message_client));
     const auto is_early = [](const std::string& message) {
         std::vector<std::chrono::nanoseconds> times;
@@ -235,7 +235,7 @@ TEST_F(Frames, are_sent_early_when_another_frame_arrives_shortly_before_their_ti
 }
 
 TEST_F(Frames, are_an_endless_stream_of_lines_without_an_upgrade) {
-    anogate::http::Client client{door.loop.io, door.path};
+    anogate::http::Client client{gateway.loop.io, gateway.path};
     std::vector<std::string> lines;
     anogate::http::Request request;
     request.method = "GET";
@@ -243,14 +243,15 @@ TEST_F(Frames, are_an_endless_stream_of_lines_without_an_upgrade) {
     client.stream(
         request, [&](std::string_view line) { lines.emplace_back(line); }, [](anogate::http::Outcome) {});
     std::size_t sent = 0;
-    ASSERT_TRUE(door.gateway.until([&] {
+    ASSERT_TRUE(gateway.gateway.until([&] {
         if (lines.empty()) send(euler), ++sent;
         return !lines.empty();
     }));
     ASSERT_TRUE(until_in(sent));
     const std::size_t before = lines.size();
     send(wind);
-    ASSERT_TRUE(door.gateway.until([&] { return !lines.empty() && json::parse(lines.back()).at("name") == "wind"; })) << before;
+    ASSERT_TRUE(gateway.gateway.until([&] { return !lines.empty() && json::parse(lines.back()).at("name") == "wind"; }))
+        << before;
     EXPECT_EQ(json::parse(lines.front()).at("name"), "euler");
     client.cancel();
     for (int i = 0; i < 3; ++i) send(wind);    // no client watches any more
@@ -258,7 +259,7 @@ TEST_F(Frames, are_an_endless_stream_of_lines_without_an_upgrade) {
 }
 
 TEST_F(Frames, that_were_dropped_are_sent_with_their_cause) {
-    MessageClient message_client{door, "/frames?direction=dropped&format=binary"};
+    MessageClient message_client{gateway, "/frames?direction=dropped&format=binary"};
     ASSERT_TRUE(until_watches(message_client));
     send(frame(0xDC, 0x00, 0x03, {1}));
     ASSERT_TRUE(until_seen(message_client, 1));
@@ -290,12 +291,12 @@ private:
 };
 
 TEST_F(Frames, a_client_that_does_not_read_delays_no_other_one_and_receives_a_report_of_lost_frames) {
-    MessageClient awake{door, "/frames?format=binary&direction=in"};
+    MessageClient awake{gateway, "/frames?format=binary&direction=in"};
     ASSERT_TRUE(until_watches(awake));
-    Sleeper sleeper{door.path, "/frames?direction=in"};
+    Sleeper sleeper{gateway.path, "/frames?direction=in"};
     constexpr std::size_t count = 800;
     const Bytes big = frame(0xDC, 0xFF, 0xF1, Bytes(4000, 7));
-    ASSERT_TRUE(door.gateway.until([&] { return sleeper.has_begun(); }));
+    ASSERT_TRUE(gateway.gateway.until([&] { return sleeper.has_begun(); }));
     for (std::size_t i = 0; i < count; ++i) {
         send(big);
         ASSERT_TRUE(until_in(i + 1));
@@ -313,11 +314,11 @@ TEST_F(Frames, a_client_that_does_not_read_delays_no_other_one_and_receives_a_re
         }
         return shown + lost == count;
     };
-    EXPECT_TRUE(door.gateway.until(sum)) << shown << " shown, " << lost << " lost";
+    EXPECT_TRUE(gateway.gateway.until(sum)) << shown << " shown, " << lost << " lost";
     EXPECT_GT(lost, 100u);
     EXPECT_GT(shown, 100u);
     send(wind);
-    EXPECT_TRUE(door.gateway.until([&] {
+    EXPECT_TRUE(gateway.gateway.until([&] {
         return sleeper.read().ends_with("}\n") && sleeper.read().find("wind") != std::string::npos;
     })) << "and it goes on";
 }
@@ -325,7 +326,7 @@ TEST_F(Frames, a_client_that_does_not_read_delays_no_other_one_and_receives_a_re
 TEST_F(Frames, a_client_that_reads_nothing_for_too_long_is_closed) {
     anogate::http::ServerLimits limits;
     limits.session.patience = 500ms;
-    ControlDoor impatient{settings_of_texts({a.link("x")}), limits};
+    ControlledGateway impatient{settings_of_texts({a.link("x")}), limits};
     const auto is_watched = [&] { return impatient.gateway.gateway().forwarder().is_observed(); };
     Sleeper sleeper{impatient.path, "/frames?direction=in"};
     ASSERT_TRUE(impatient.gateway.until(is_watched));
@@ -340,19 +341,19 @@ TEST_F(Frames, a_client_that_reads_nothing_for_too_long_is_closed) {
 }
 
 TEST_F(Frames, are_observed_only_while_a_client_watches) {
-    const auto is_watched = [&] { return door.gateway.gateway().forwarder().is_observed(); };
+    const auto is_watched = [&] { return gateway.gateway.gateway().forwarder().is_observed(); };
     EXPECT_FALSE(is_watched());
-    MessageClient one{door, "/frames?format=binary"}, two{door, "/frames?format=binary&id=wind"};
+    MessageClient one{gateway, "/frames?format=binary"}, two{gateway, "/frames?format=binary&id=wind"};
     ASSERT_TRUE(until_watches(one) && until_watches(two));
     EXPECT_TRUE(is_watched());
     one.leave();
-    door.gateway.run_for(50ms);
+    gateway.gateway.run_for(50ms);
     EXPECT_TRUE(is_watched());
     two.leave();
-    EXPECT_TRUE(door.gateway.until([&] { return !is_watched(); }));
-    EXPECT_EQ(door.ask("POST", "/send", R"({"to": 255, "name": "wind"})").status, 200u);
+    EXPECT_TRUE(gateway.gateway.until([&] { return !is_watched(); }));
+    EXPECT_EQ(gateway.ask("POST", "/send", R"({"to": 255, "name": "wind"})").status, 200u);
     EXPECT_FALSE(is_watched());
-    MessageClient again{door, "/frames?format=binary"};
+    MessageClient again{gateway, "/frames?format=binary"};
     ASSERT_TRUE(until_watches(again));
     send(wind);
     EXPECT_TRUE(until_seen(again, 2));

@@ -12,8 +12,8 @@
 namespace http_server {
 namespace {
 
-INSTANTIATE_TEST_SUITE_P(Over, HttpServer, testing::Values(Way::unix_socket, Way::tcp),
-                         [](const auto& way) { return way.param == Way::tcp ? "tcp" : "unix"; });
+INSTANTIATE_TEST_SUITE_P(Over, HttpServer, testing::Values(Transport::unix_socket, Transport::tcp),
+                         [](const auto& way) { return way.param == Transport::tcp ? "tcp" : "unix"; });
 
 TEST_P(HttpServer, answers_pipelined_requests_in_their_order) {
     Client client = connect(GetParam());
@@ -103,8 +103,8 @@ TEST_F(HttpServer, checks_the_memory_once_for_a_prompt_response_and_again_after_
     EXPECT_GE(looks({&one, &other}), 3);
 }
 
-INSTANTIATE_TEST_SUITE_P(Over, ImpatientHttpServer, testing::Values(Way::unix_socket, Way::tcp),
-                         [](const auto& way) { return way.param == Way::tcp ? "tcp" : "unix"; });
+INSTANTIATE_TEST_SUITE_P(Over, ImpatientHttpServer, testing::Values(Transport::unix_socket, Transport::tcp),
+                         [](const auto& way) { return way.param == Transport::tcp ? "tcp" : "unix"; });
 
 TEST_P(ImpatientHttpServer, closes_silent_clients_and_those_that_never_complete_a_request) {
     Client silent = connect(GetParam()), slow = connect(GetParam());
@@ -139,8 +139,8 @@ protected:
     }
 };
 
-INSTANTIATE_TEST_SUITE_P(Over, SlowlyReadHttpServer, testing::Values(Way::unix_socket, Way::tcp),
-                         [](const auto& way) { return way.param == Way::tcp ? "tcp" : "unix"; });
+INSTANTIATE_TEST_SUITE_P(Over, SlowlyReadHttpServer, testing::Values(Transport::unix_socket, Transport::tcp),
+                         [](const auto& way) { return way.param == Transport::tcp ? "tcp" : "unix"; });
 
 TEST_P(SlowlyReadHttpServer, does_not_close_the_client) {
     ServerLimits limits;

@@ -168,9 +168,9 @@ private:
     Keeping& state_;
 };
 
-enum class Way { unix_socket, tcp };
+enum class Transport { unix_socket, tcp };
 
-class HttpServer : public testing::TestWithParam<Way> {
+class HttpServer : public testing::TestWithParam<Transport> {
 protected:
     void SetUp() override { begin({}); }
     void TearDown() override {
@@ -215,8 +215,8 @@ protected:
         response.body = std::move(body);
         return response;
     }
-    Client connect(Way way = Way::unix_socket) {
-        if (way == Way::unix_socket) return Client{UniqueFd{connect_unix(path)}};
+    Client connect(Transport way = Transport::unix_socket) {
+        if (way == Transport::unix_socket) return Client{UniqueFd{connect_unix(path)}};
         const UniqueFd listening{::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)};
         sockaddr_in address{};
         address.sin_family = AF_INET;

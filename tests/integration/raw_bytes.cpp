@@ -1,7 +1,7 @@
 // The raw bytes of links: GET /links/L/raw, `anoctl terminal`, and pauses between frames.
 #include <link/raw_port.hpp>
 #include <link/serial/serial_settings.hpp>
-#include <support/control_door.hpp>
+#include <support/controlled_gateway.hpp>
 #include <support/process.hpp>
 #include <support/pty_device.hpp>
 #include <support/udp_peer.hpp>
@@ -38,22 +38,22 @@ const Bytes command = frame(0xFE, 0xDC, 0xC0, {1, 2, 3});
 
 class RawBytes : public testing::Test {
 protected:
-    RawBytes() { EXPECT_TRUE(door.gateway.until_up("fc")); }
-    bool until(const std::function<bool()>& holds) { return door.gateway.until(holds); }
+    RawBytes() { EXPECT_TRUE(gateway.gateway.until_up("fc")); }
+    bool until(const std::function<bool()>& holds) { return gateway.gateway.until(holds); }
     bool until_begins(MessageClient& message_client) {
         return until([&] { return !message_client.texts().empty(); });
     }
-    void send_command() { station.send(door.gateway.port("ground"), command); }
-    std::uint64_t count(const std::string& counter) { return door.gateway.count("fc", counter); }
+    void send_command() { station.send(gateway.gateway.port("ground"), command); }
+    std::uint64_t count(const std::string& counter) { return gateway.gateway.count("fc", counter); }
 
     const TempDir dir;
     PtyDevice device{dir / "fc"};
     UdpPeer station;
-    ControlDoor door{{"serial:" + (dir / "fc") + ",pace=off,encoding=gbk", "udp-listen:127.0.0.1:0,name=ground"}};
+    ControlledGateway gateway{{"serial:" + (dir / "fc") + ",pace=off,encoding=gbk", "udp-listen:127.0.0.1:0,name=ground"}};
 };
 
 TEST_F(RawBytes, pass_in_both_directions_while_frames_are_forwarded_as_usual) {
-    MessageClient raw{door, "/links/fc/raw"};
+    MessageClient raw{gateway, "/links/fc/raw"};
     ASSERT_TRUE(until_begins(raw));
     EXPECT_EQ(json::parse(raw.texts().at(0)),
               (json{{"link", "fc"}, {"kind", "serial"}, {"encoding", "gbk"}, {"exclusive", false}, {"may_send", true}}));
@@ -74,7 +74,7 @@ TEST_F(RawBytes, pass_in_both_directions_while_frames_are_forwarded_as_usual) {
 
 TEST_F(RawBytes, in_exclusive_use_no_frame_is_sent_on_the_link_until_the_client_disconnects) {
     {
-        MessageClient raw{door, "/links/fc/raw?exclusive"};
+        MessageClient raw{gateway, "/links/fc/raw?exclusive"};
         ASSERT_TRUE(until_begins(raw));
         send_command();
         EXPECT_TRUE(until([&] { return count("denied_out") == 1; }));
@@ -82,23 +82,23 @@ TEST_F(RawBytes, in_exclusive_use_no_frame_is_sent_on_the_link_until_the_client_
         EXPECT_TRUE(until([&] { return device.heard() == bytes_of("AT\r\n"); }));
         device.write(telemetry);
         EXPECT_TRUE(until([&] { return count("frames_in") == 1; })) << "what comes is forwarded";
-        EXPECT_EQ(door.ask("GET", "/links/fc/raw?exclusive").status, 426u) << "no WebSocket";
-        MessageClient second{door, "/links/fc/raw?exclusive"};
+        EXPECT_EQ(gateway.ask("GET", "/links/fc/raw?exclusive").status, 426u) << "no WebSocket";
+        MessageClient second{gateway, "/links/fc/raw?exclusive"};
         EXPECT_TRUE(until([&] { return second.ended.has_value(); }));
         EXPECT_EQ(second.ended->answer.status, 409u);
-        MessageClient looks{door, "/links/fc/raw"};
+        MessageClient looks{gateway, "/links/fc/raw"};
         EXPECT_TRUE(until_begins(looks)) << "others may look";
     }    // its connection ends without a closing message
     EXPECT_TRUE(until([&] {
         send_command();
         return device.heard().size() > 4;
     }));
-    EXPECT_TRUE(door.gateway.counters_add_up());
+    EXPECT_TRUE(gateway.gateway.counters_add_up());
 }
 
 TEST_F(RawBytes, are_rejected_for_other_link_kinds) {
     for (const auto& [link, status] : {std::pair{"ground", 409u}, {"nobody", 404u}}) {
-        MessageClient raw{door, std::string{"/links/"} + link + "/raw"};
+        MessageClient raw{gateway, std::string{"/links/"} + link + "/raw"};
         EXPECT_TRUE(until([&] { return raw.ended.has_value(); }));
         EXPECT_EQ(raw.ended->answer.status, status) << link;
         if (status == 409u) {
@@ -110,17 +110,17 @@ TEST_F(RawBytes, are_rejected_for_other_link_kinds) {
 }
 
 TEST_F(RawBytes, for_a_link_that_is_down_are_not_sent_and_the_client_is_notified) {
-    MessageClient raw{door, "/links/fc/raw"};
+    MessageClient raw{gateway, "/links/fc/raw"};
     ASSERT_TRUE(until_begins(raw));
     device.unplug();
-    ASSERT_TRUE(door.gateway.until_waiting("fc"));
+    ASSERT_TRUE(gateway.gateway.until_waiting("fc"));
     raw.send(bytes_of("AT\r\n"));
     EXPECT_TRUE(until([&] { return raw.texts().size() == 2; }));
     EXPECT_NE(raw.texts().at(1).find("not sent: the link is down"), std::string::npos);
     raw.send("AT", anogate::http::WebSocket::Kind::text);
     EXPECT_TRUE(until([&] { return raw.texts().size() == 3; }));
     device.plug();
-    ASSERT_TRUE(door.gateway.until_up("fc"));
+    ASSERT_TRUE(gateway.gateway.until_up("fc"));
     device.write(bytes_of("again\n"));
     EXPECT_TRUE(until([&] { return passed(raw, '<') == bytes_of("again\n"); }));
 }

@@ -40,7 +40,7 @@ std::string closed_with(std::uint16_t code, const std::string& reason = {}) {
 
 class WebSockets : public HttpServer {
 protected:
-    Client open(Way way) {
+    Client open(Transport way) {
         Client client = connect(way);
         client.send(upgrade());
         EXPECT_TRUE(until([&] { return client.has_heard("\r\n\r\n"); }));
@@ -61,8 +61,8 @@ protected:
     }
 };
 
-INSTANTIATE_TEST_SUITE_P(Over, WebSockets, testing::Values(Way::unix_socket, Way::tcp),
-                         [](const auto& way) { return way.param == Way::tcp ? "tcp" : "unix"; });
+INSTANTIATE_TEST_SUITE_P(Over, WebSockets, testing::Values(Transport::unix_socket, Transport::tcp),
+                         [](const auto& way) { return way.param == Transport::tcp ? "tcp" : "unix"; });
 
 TEST_P(WebSockets, carry_text_and_bytes_both_ways_in_order) {
     Client client = open(GetParam());
@@ -193,8 +193,8 @@ protected:
     }
 };
 
-INSTANTIATE_TEST_SUITE_P(Over, ImpatientWebSockets, testing::Values(Way::unix_socket, Way::tcp),
-                         [](const auto& way) { return way.param == Way::tcp ? "tcp" : "unix"; });
+INSTANTIATE_TEST_SUITE_P(Over, ImpatientWebSockets, testing::Values(Transport::unix_socket, Transport::tcp),
+                         [](const auto& way) { return way.param == Transport::tcp ? "tcp" : "unix"; });
 
 TEST_P(ImpatientWebSockets, stay_open_only_while_the_client_answers_pings) {
     Client client = open(GetParam());

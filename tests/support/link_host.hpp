@@ -50,7 +50,7 @@ public:
     }
     std::optional<anogate::StoredLink> claim_stored(const anogate::Link&) override { return std::exchange(stored, std::nullopt); }
     anogate::TimePoint now() override { return turn().now(); }
-    const anogate::LoopWatch& turn() override {
+    const anogate::StallDetector& turn() override {
         loop_.turn(clocks());
         return loop_;
     }
@@ -79,7 +79,7 @@ private:
     anogate::DatagramBatch batch_;
     anogate::DatagramSender sender_;
     anogate::Resolver names_;
-    anogate::LoopWatch loop_;
+    anogate::StallDetector loop_;
     std::vector<std::unique_ptr<anogate::Channel>> channels_;
     std::size_t opened_ = 0;    // in total, at most 64: no number is used twice
     std::map<std::string, Bytes> heard_;

@@ -177,8 +177,8 @@ public:
     anogate::http::Request own_request(const std::string& method, const std::string& target, const std::string& body) const {
         anogate::http::Request asks = request(method, target, body);
         asks.access = access;
-        asks.door.is_network = true;
-        asks.door.peer = peer;
+        asks.connection_info.is_network = true;
+        asks.connection_info.peer = peer;
         asks.is_foreign = is_foreign;
         return asks;
     }

@@ -224,7 +224,7 @@ private:
         why_ = std::move(why);
     }
     TimePoint now() override { return now_ = Clock::now(); }
-    const LoopWatch& turn() override {
+    const StallDetector& turn() override {
         loop_.turn(read_clocks());
         now_ = loop_.now();
         return loop_;
@@ -293,7 +293,7 @@ private:
     std::vector<std::unique_ptr<Open>> channels_;
     std::unique_ptr<Link> link_;
     TimePoint now_{};
-    LoopWatch loop_;    // required by links; the age of frames is not used
+    StallDetector loop_;    // required by links; the age of frames is not used
     asio::steady_timer look_{io_};
     std::string hint_;
     bool up_ = false, heard_ = false, has_sent_ = false;

@@ -7,8 +7,8 @@
 //         tunnel.begin_wrap(rule, …), add(), end_wrap()
 #pragma once
 #include <ano/frame.hpp>
+#include <ano/lazy_array.hpp>
 #include <ano/messages.hpp>
-#include <ano/room.hpp>
 #include <gateway/counters.hpp>
 #include <gateway/host_spec.hpp>
 #include <gateway/settings.hpp>
@@ -83,7 +83,7 @@ public:
 private:
     std::size_t inner_at() const noexcept { return ano::header_size + tunnel_head_size(buffer_[3]); }
 
-    ano::Room<std::uint8_t> buffer_;
+    ano::LazyArray<std::uint8_t> buffer_;
     std::size_t end_ = 0;
     std::size_t max_end_ = 0;
 };

@@ -173,9 +173,10 @@ constexpr const char* not_distinguishable = "this unit can't be distinguished fr
 
 // The note is the only copy of its values, so they are logged.
 std::string drop_note(const WorkPlace& place, const std::string& name, Unit unit) {
-    const std::string text = *place.notes.find(name);
+    const std::string text = *place.journal.find(name);
     const bool is_alike = unit == Unit::alike;
-    place.notes.drop(name, is_alike ? "removed: it may be of another unit" : "removed: the device has other calibration values");
+    place.journal.drop(name,
+                       is_alike ? "removed: it may be of another unit" : "removed: the device has other calibration values");
     return (is_alike ? std::string{not_distinguishable} + ", so its values stay, and the file is removed: "
                      : "the calibration values of the device are not those of the unfinished calibration, so they stay, and the "
                        "file is "
@@ -205,7 +206,7 @@ public:
 private:
     void done(const Task& task, TimePoint now) override {
         if (writes_) return written_back(task);    // CalibrationWrite has read them back
-        const std::string* text = place().notes.find(name_);
+        const std::string* text = place().journal.find(name_);
         const auto sensor = sensor_of_note(name_);
         if (text == nullptr || !sensor) return finish(work_fault(409, "there are no saved values any more"));
         auto values = values_in_note(*text, *sensor);
@@ -232,7 +233,7 @@ private:
     }
 
     void written_back(const Task& task) {
-        const std::string* text = place().notes.find(name_);
+        const std::string* text = place().journal.find(name_);
         const std::string kept = text != nullptr ? describe_note(name_, *text) : name_;
         WorkEnd end = end_of(*task.end(), texts());
         Json result{{"written_back", true}, {"kept", kept}};
@@ -240,7 +241,7 @@ private:
         end.result = ano::compact_json(result);
         end.error = "restored the old calibration values, because the calibration was not finished: " + kept +
                     "; read back and equal, so " + name_ + " is removed";
-        place().notes.forget(name_);
+        place().journal.forget(name_);
         finish(std::move(end));
     }
 
@@ -341,16 +342,16 @@ private:
     // Uses the old values stored by an unfinished calibration, not the values that it left in the device.
     bool uses_kept() {
         const std::string name = kept_note(place(), sensor_);
-        const auto values = !name.empty() ? values_in_note(*place().notes.find(name), sensor_) : std::nullopt;
+        const auto values = !name.empty() ? values_in_note(*place().journal.find(name), sensor_) : std::nullopt;
         if (!values) return false;
-        const Unit unit = unit_of_note(calibration_->old_values(), calibration_->other_values(), *place().notes.find(name),
+        const Unit unit = unit_of_note(calibration_->old_values(), calibration_->other_values(), *place().journal.find(name),
                                        sensor_);
         if (unit != Unit::same) {
             place().net.report(name + " is not used: " + drop_note(place(), name, unit), true);
             return false;
         }
         note_ = name;
-        json_ = note_json(*place().notes.find(name));
+        json_ = note_json(*place().journal.find(name));
         calibration_->set_old_values(*values);
         kept_->is_done = true;
         return true;
@@ -365,7 +366,7 @@ private:
         keep_note(kept_);
     }
     void keep_note(const std::shared_ptr<Kept>& as) {
-        place().notes.keep(note_, ano::compact_json(json_) + "\n", [as, &net = place().net](std::string fault) {
+        place().journal.keep(note_, ano::compact_json(json_) + "\n", [as, &net = place().net](std::string fault) {
             as->fault = std::move(fault);
             as->is_done = true;
             net.wake(net.now());
@@ -388,7 +389,7 @@ private:
         else calibration_->not_kept(kept_new_->fault, now);
     }
     void forget() {
-        if (!note_.empty()) place().notes.forget(note_);
+        if (!note_.empty()) place().journal.forget(note_);
     }
     // `when`: when the next run of the program writes them back, if it does.
     std::string kept_where(const std::string& what, const std::string& when) const {
@@ -442,12 +443,12 @@ std::unique_ptr<Work> write_old_values_back(const WorkPlace& place, const std::s
 void forget_written(const WorkPlace& place, const Json& values) {
     for (const Sensor sensor : {Sensor::accelerometer, Sensor::compass}) {
         const std::string name = kept_note(place, sensor);
-        const auto kept = !name.empty() ? values_in_note(*place.notes.find(name), sensor) : std::nullopt;
+        const auto kept = !name.empty() ? values_in_note(*place.journal.find(name), sensor) : std::nullopt;
         const auto is_written = [&](const auto& one) {
             const auto value = values.contains(one.first) ? value_in(values[one.first], ano::Type::f32) : std::nullopt;
             return value && ano::host::same_bytes(*value, one.second, ano::Type::f32);
         };
-        if (kept && std::all_of(kept->begin(), kept->end(), is_written)) place.notes.forget(name);
+        if (kept && std::all_of(kept->begin(), kept->end(), is_written)) place.journal.forget(name);
     }
 }
 

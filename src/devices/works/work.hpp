@@ -2,9 +2,9 @@
 #pragma once
 #include <ano/frame.hpp>
 #include <ano/time.hpp>
+#include <devices/crash_journal.hpp>
 #include <devices/device_net.hpp>
 #include <devices/device_texts.hpp>
-#include <devices/notes.hpp>
 #include <host/commands.hpp>
 #include <host/description_cache.hpp>
 #include <host/task.hpp>
@@ -40,7 +40,7 @@ struct WorkPlace {
     ano::host::DescriptionCache& cache;
     ano::host::CommandCache& commands;
     DeviceNet& net;
-    Notes& notes;
+    CrashJournal& journal;
     const DeviceTexts& texts;
     /// Why the device may not be changed now, as text; empty: it may be changed.
     std::function<std::string()> refusal{};

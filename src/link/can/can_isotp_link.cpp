@@ -51,7 +51,7 @@ void CanIsotpLink::read() {
         if (error == ENETDOWN || error == ENODEV || error == ENXIO || error == EBADF) return fail(can_error(can(), error));
         return transfer_failed(error);
     }
-    const LoopWatch& loop = context_.host.turn();
+    const StallDetector& loop = context_.host.turn();
     const ClockReading asked = loop.before();
     const auto on_frame = [this](ano::FrameView frame) { context_.host.receive(channel(), frame); };
     for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {

@@ -73,7 +73,7 @@ void CanStreamLink::read() {
     const int count = batch_->receive(fd());
     if (count < 0) return fail(can_error(can(), errno));
     if (count > 0) heard_on_bus();
-    const LoopWatch& loop = context_.host.turn();
+    const StallDetector& loop = context_.host.turn();
     const ClockReading asked = loop.before();
     for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
         channel().arrived_at = arrival(batch_->messages[i].msg_hdr, arrival_, loop);

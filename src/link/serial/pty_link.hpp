@@ -2,7 +2,7 @@
 #pragma once
 #include <link/serial/pty_settings.hpp>
 #include <link/stream_link.hpp>
-#include <sys/files/path_claim.hpp>
+#include <sys/files/path_lock.hpp>
 
 namespace anogate {
 
@@ -38,7 +38,7 @@ private:
     LinkError no_user_error() const;
 
     std::string device_;    // /dev/pts/N
-    PathClaim claim_;       // so that only one gateway makes this path
+    PathLock claim_;        // so that only one gateway makes this path
     Descriptor watch_;      // inotify: device_ was opened, or the link at the path was changed
     Alarm look_;            // polls instead if inotify is not available
     bool up_ = false;

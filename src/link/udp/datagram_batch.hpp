@@ -1,6 +1,6 @@
 // Buffers to receive many datagrams with one system call. One for the whole loop: each read overwrites the content.
 #pragma once
-#include <ano/room.hpp>
+#include <ano/lazy_array.hpp>
 #include <link/clocks.hpp>
 
 #include <netinet/in.h>
@@ -37,7 +37,7 @@ private:
     alignas(cmsghdr) std::array<std::uint8_t, CMSG_SPACE(sizeof(timespec))> room_;
 };
 
-inline ano::TimePoint arrival(const msghdr& message, Arrival& wire, const LoopWatch& loop) noexcept {
+inline ano::TimePoint arrival(const msghdr& message, Arrival& wire, const StallDetector& loop) noexcept {
     const auto stamp = Stamp::of(message);
     return stamp ? wire.stamped(*stamp, loop) : wire.unstamped(loop);
 }
@@ -76,12 +76,12 @@ public:
     }
     const sockaddr_storage& sender(std::size_t i) const noexcept { return senders_[i]; }
     /// When datagram `i` arrived.
-    ano::TimePoint arrived_at(std::size_t i, Arrival& wire, const LoopWatch& loop) const noexcept {
+    ano::TimePoint arrived_at(std::size_t i, Arrival& wire, const StallDetector& loop) const noexcept {
         return arrival(messages_[i].msg_hdr, wire, loop);
     }
 
 private:
-    ano::Room<std::uint8_t> bytes_;
+    ano::LazyArray<std::uint8_t> bytes_;
     std::array<mmsghdr, max_datagrams> messages_;
     std::array<iovec, max_datagrams> pieces_;
     std::array<sockaddr_storage, max_datagrams> senders_;

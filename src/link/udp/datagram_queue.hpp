@@ -1,6 +1,6 @@
 // The datagrams of one peer that were read and are waiting for their turn.
 #pragma once
-#include <ano/room.hpp>
+#include <ano/lazy_array.hpp>
 #include <ano/time.hpp>
 
 #include <algorithm>
@@ -58,7 +58,7 @@ private:
         begin_ = 0;
     }
 
-    ano::Room<std::uint8_t> room_{capacity};
+    ano::LazyArray<std::uint8_t> room_{capacity};
     std::size_t begin_ = 0, end_ = 0;
     std::size_t count_ = 0;
 };

@@ -39,7 +39,7 @@ unsigned DatagramSender::fill(std::size_t frames, const SocketAddress* to, std::
     return static_cast<unsigned>(datagrams);
 }
 
-SendReport DatagramSender::send_all(const Way& way, Outbox& outbox, Pacing& pacing, ano::TimePoint now) {
+SendReport DatagramSender::send_all(const Path& way, Outbox& outbox, Pacing& pacing, ano::TimePoint now) {
     SendReport report;
     const auto stop = [&report](SendResult result) {
         report.result = result;

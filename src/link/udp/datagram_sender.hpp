@@ -31,7 +31,7 @@ struct SendReport {
 
 class DatagramSender {
 public:
-    struct Way {
+    struct Path {
         int fd = -1;
         const SocketAddress* to = nullptr;    // nullptr: the connected peer
         std::size_t mtu = 0;                  // frames are packed into datagrams of at most this size; 0: one frame each
@@ -41,14 +41,14 @@ public:
         RawTap* tap = nullptr;               // called for every frame sent
     };
 
-    DatagramSender() : room_{new Room} {}
+    DatagramSender() : room_{new Buffers} {}
     /// Sends the waiting frames. Frames that can't be sent are counted in the outbox by cause.
-    SendReport send_all(const Way& way, Outbox& outbox, Pacing& pacing, ano::TimePoint now);
+    SendReport send_all(const Path& way, Outbox& outbox, Pacing& pacing, ano::TimePoint now);
 
 private:
     static constexpr std::size_t max_datagrams = 64;
     static constexpr std::size_t max_frames = 512;
-    struct Room {
+    struct Buffers {
         std::array<std::span<const std::uint8_t>, max_frames> frames;
         std::array<iovec, max_frames> pieces;
         std::array<mmsghdr, max_datagrams> messages;
@@ -57,7 +57,7 @@ private:
 
     unsigned fill(std::size_t frames, const SocketAddress* to, std::size_t mtu) noexcept;
 
-    std::unique_ptr<Room> room_;
+    std::unique_ptr<Buffers> room_;
 };
 
 }    // namespace anogate

@@ -232,7 +232,7 @@ void UdpLink::read() {
         }
         return fail(error_text(settings().as<UdpSettings>().peer.text(), error));
     }
-    const LoopWatch& loop = context_.host.turn();
+    const StallDetector& loop = context_.host.turn();
     const ClockReading asked = loop.before();
     const TimePoint now = loop.now();
     for (int i = 0; i < count; ++i) {
@@ -272,7 +272,7 @@ void UdpLink::deliver() {
 void UdpLink::flush(Channel& channel) {
     if (!descriptor_.is_open()) return;
     if (v7_) return flush_v7();
-    const DatagramSender::Way way{
+    const DatagramSender::Path way{
         descriptor_.fd(), connected_ ? nullptr : &to_, settings().pack ? settings().mtu : 0u, nullptr, SIZE_MAX, tap_};
     const SendReport report = context_.sender.send_all(way, channel.outbox, pacing_, context_.host.now());
     note(report);

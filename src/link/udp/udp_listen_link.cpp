@@ -141,7 +141,7 @@ bool UdpListenLink::read_batch() {
         if (!read_reports() && error != 0 && error != ENOMEM && !may_be_reported(error)) fail(error_text(local_.text(), error));
         return false;
     }
-    const LoopWatch& loop = context_.host.turn();
+    const StallDetector& loop = context_.host.turn();
     const ClockReading asked = loop.before();
     const TimePoint now = loop.now();
     for (int i = 0; i < count; ++i) {
@@ -277,7 +277,7 @@ void UdpListenLink::flush(Channel& channel) {
     if (found == peers_.end()) return;
     Peer& peer = **found;
     if (channel.had_host_frames) ask_suspect(peer, context_.host.now());
-    DatagramSender::Way way{descriptor_.fd(), &peer.address, settings().pack ? settings().mtu : 0u, &read_reports_, SIZE_MAX};
+    DatagramSender::Path way{descriptor_.fd(), &peer.address, settings().pack ? settings().mtu : 0u, &read_reports_, SIZE_MAX};
     for (;;) {
         const TimePoint now = context_.host.now();
         const std::uint64_t sent_before = channel.outbox.counters().bytes_out;

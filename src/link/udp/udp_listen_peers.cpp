@@ -177,7 +177,7 @@ void UdpListenLink::forget_peer(ChannelId channel) {
 }
 
 void UdpListenLink::forget_overdue_peers() {
-    const LoopWatch& loop = context_.host.turn();
+    const StallDetector& loop = context_.host.turn();
     const TimePoint now = loop.now();
     if (now < loop.last_standstill() + read_first)
         return look_.set(now + read_first);    // frames that arrived during a standstill may not be read yet

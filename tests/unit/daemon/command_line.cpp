@@ -152,8 +152,8 @@ TEST(CommandLine, a_check_warns_of_settings_that_keep_the_http_interface_off) {
     const std::string tokens = folder / "state/token";
     const auto warnings = [&](const std::string& its_certificate, const std::string& its_key, const std::string& its_tokens) {
         const std::string file = folder.write(
-            "door.json", R"({"links": ["sim:fc"], "control": {"http": "127.0.0.1:0", "token_file": ")" + its_tokens +
-                             R"(", "tls": {"certificate": ")" + its_certificate + R"(", "key": ")" + its_key + R"("}}})");
+            "listener.json", R"({"links": ["sim:fc"], "control": {"http": "127.0.0.1:0", "token_file": ")" + its_tokens +
+                                 R"(", "tls": {"certificate": ")" + its_certificate + R"(", "key": ")" + its_key + R"("}}})");
         std::string text = line_of({"--check", "--config", file.c_str()}).warnings;
         const std::string begin = "anogated: " + file + ": /control/";
         for (std::size_t at = 0; (at = text.find(begin)) != text.npos;) text.erase(at, begin.size());
@@ -175,15 +175,15 @@ TEST(CommandLine, a_check_warns_of_settings_that_keep_the_http_interface_off) {
     EXPECT_EQ(warnings(certificate, key, words + "/token"), "token_file: " + shut + words + "/token: Not a directory\n");
     const std::string closed = folder.write("closed.json",
                                             R"({"links": ["sim:fc"], "control": {"token_file": ")" + words + "\"}}");
-    EXPECT_EQ(line_of({"--check", "--config", closed.c_str()}).warnings, "") << "there is no door";
+    EXPECT_EQ(line_of({"--check", "--config", closed.c_str()}).warnings, "") << "there is no listener";
 }
 
 TEST(CommandLine, a_check_warns_of_a_key_that_slows_down_new_connections) {
     const support::TempDir folder;
     const std::string certificate = folder / "c.pem", key = folder / "k.pem";
     const std::string file = folder.write(
-        "door.json", R"({"links": ["sim:fc"], "control": {"http": "127.0.0.1:0", "tls": {"certificate": ")" + certificate +
-                         R"(", "key": ")" + key + R"("}}})");
+        "listener.json", R"({"links": ["sim:fc"], "control": {"http": "127.0.0.1:0", "tls": {"certificate": ")" + certificate +
+                             R"(", "key": ")" + key + R"("}}})");
     const auto warnings = [&](int bits) {
         const std::string made = "openssl req -x509 -nodes -subj /CN=x -newkey rsa:" + std::to_string(bits) + " -keyout " + key +
                                  " -out " + certificate + " 2>/dev/null";

@@ -60,7 +60,7 @@ TEST(Service, creates_tokens_only_in_its_state_folder) {
         faults(R"({"control": {"http": "0.0.0.0:0", "token_file": "/proc/nonexistent"}})"),
         or_elsewhere("a.json: /control/token_file: 'token_file' '/proc/nonexistent': the service has no write access there; "
                      "/var/lib/anogate/nonexistent works"));
-    EXPECT_EQ(faults(R"({"control": {"token_file": "/proc/nonexistent"}})"), "") << "there is no door";
+    EXPECT_EQ(faults(R"({"control": {"token_file": "/proc/nonexistent"}})"), "") << "there is no listener";
     EXPECT_EQ(faults(R"({"control": {"http": "0.0.0.0:0", "token_file": "/etc/passwd"}})"), "") << "it is only read";
 }
 

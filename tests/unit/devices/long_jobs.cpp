@@ -787,7 +787,7 @@ TEST_F(LongJobs, a_boot_loader_note_applies_to_one_unit_only) {
     EXPECT_FALSE(in_loader(older.dump(), net.unit));
 }
 
-TEST(Notes, that_are_damaged_are_not_used_and_the_consequence_is_reported) {
+TEST(CrashJournal, that_are_damaged_are_not_used_and_the_consequence_is_reported) {
     const std::string whole = R"({"gateway": "g", "link": "l", "wire": "w", "device": {"address": "0xDC"}, "type7": "u64"})";
     for (const char* const name : {"firmware-0xDC-12ab34cd.json", "firmware-0xDC.json"}) {
         EXPECT_EQ(anogate::damage_of_note(name, whole), "");
@@ -802,7 +802,7 @@ TEST(Notes, that_are_damaged_are_not_used_and_the_consequence_is_reported) {
     EXPECT_NE(anogate::damage_of_note("type7-0xDC.json", R"({"device": {"address": "0xDC"}, "type7": "u16"})"), "");
 }
 
-TEST(Notes, are_only_files_with_exact_note_names) {
+TEST(CrashJournal, are_only_files_with_exact_note_names) {
     for (const char* name :
          {"calibration-0xDC-accelerometer.json", "calibration-0x01-compass.json", "firmware-0xDC.json",
           "calibration-0xDC-12ab34cd-compass.json", "firmware-0xDC-12ab34cd.json", "type7-0x01-00000000.json", "type7-0xDC.json"})

@@ -14,13 +14,13 @@ using nlohmann::json;
 using namespace std::string_literals;
 
 std::string wrong(std::string_view text) {
-    const Said said = read(text);
+    const ClientMessage said = read(text);
     const auto* const words = std::get_if<Wrong>(&said);
     return words ? words->words : "nothing is wrong";
 }
 
 TEST(FoxgloveMessages, messages_of_a_client_are_parsed) {
-    const Said subscribed = read(
+    const ClientMessage subscribed = read(
         R"({"op":"subscribe","subscriptions":[{"id":0,"channelId":3},{"id":4294967295,"channelId":5}]})");
     const auto& two = std::get<Subscribe>(subscribed).subscriptions;
     ASSERT_EQ(two.size(), 2u);
@@ -28,7 +28,7 @@ TEST(FoxgloveMessages, messages_of_a_client_are_parsed) {
     EXPECT_EQ(two[1].id, 4294967295u);
     EXPECT_EQ(std::get<Unsubscribe>(read(R"({"op":"unsubscribe","subscriptionIds":[7,8]})")).ids,
               (std::vector<std::uint32_t>{7, 8}));
-    const Said asked = read(R"({"op":"getParameters","parameterNames":["fc/220/A"],"id":"q"})");
+    const ClientMessage asked = read(R"({"op":"getParameters","parameterNames":["fc/220/A"],"id":"q"})");
     EXPECT_EQ(std::get<GetParameters>(asked).names, (std::vector<std::string>{"fc/220/A"}));
     EXPECT_EQ(std::get<GetParameters>(asked).id, "q");
     EXPECT_EQ(std::get<GetParameters>(read(R"({"op":"getParameters","parameterNames":[]})")).id, std::nullopt);

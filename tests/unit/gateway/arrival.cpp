@@ -32,7 +32,7 @@ protected:
         clocks.real += time;
     }
     void set_clock(Duration by) { clocks.real += by; }
-    LoopWatch::Turn turn() { return loop.turn(clocks); }
+    StallDetector::Turn turn() { return loop.turn(clocks); }
     void beat() {
         if (turn().stood == 0s) loop.end_standstill();
         loop.beat(period);
@@ -57,7 +57,7 @@ protected:
     }
 
     ClockReading clocks{TimePoint{1h}, 2h, 490'000h};
-    LoopWatch loop;
+    StallDetector loop;
     Arrival wire;
 };
 
@@ -195,7 +195,7 @@ TEST_F(Unstamped, counts_as_now_while_the_loop_runs) {
     idle(1h);
     pass(90ms);
     EXPECT_EQ(age(), 0s);
-    pass(10ms + LoopWatch::lateness);
+    pass(10ms + StallDetector::lateness);
     EXPECT_EQ(age(), 0s);
 }
 
@@ -258,11 +258,11 @@ using Watch = ArrivalTest;
 TEST_F(Watch, reports_stalls_longer_than_half_a_second) {
     idle(10s);
     EXPECT_EQ(loop.standstills(), 0u);
-    pass(LoopWatch::min_reported);
+    pass(StallDetector::min_reported);
     EXPECT_FALSE(turn().is_reported);
     EXPECT_EQ(loop.standstills(), 0u);
     beat();
-    pass(LoopWatch::min_reported + 1ms);
+    pass(StallDetector::min_reported + 1ms);
     EXPECT_TRUE(turn().is_reported);
     EXPECT_FALSE(turn().is_reported) << "once";
     EXPECT_EQ(loop.standstills(), 1u);
@@ -281,16 +281,16 @@ TEST_F(Watch, reports_stalls_longer_than_half_a_second) {
 TEST_F(Watch, data_read_before_the_end_of_a_stall_or_just_after_it_may_have_waited) {
     const auto may_have_waited = [&] { return loop.may_have_waited(clocks.now); };
     EXPECT_FALSE(may_have_waited());
-    pass(period + LoopWatch::min_reported / 2);
+    pass(period + StallDetector::min_reported / 2);
     turn();
     EXPECT_FALSE(may_have_waited()) << "the machine was busy";
     loop.beat(period);
     const TimePoint before = clocks.now;
-    pass(period + 2 * LoopWatch::min_reported);
+    pass(period + 2 * StallDetector::min_reported);
     turn();
     EXPECT_TRUE(loop.may_have_waited(before));
     EXPECT_TRUE(may_have_waited());
-    pass(LoopWatch::catching_up);
+    pass(StallDetector::catching_up);
     EXPECT_FALSE(may_have_waited());
 }
 
@@ -300,14 +300,14 @@ TEST_F(Watch, detects_a_stall_by_the_age_of_waiting_data) {
     turn();
     pass(5ms);
     const Duration came = stamp();
-    pass(LoopWatch::min_reported + 1ms);
+    pass(StallDetector::min_reported + 1ms);
     EXPECT_FALSE(turn().is_reported);
     const TimePoint arrived = wire.stamped(came, loop);
     EXPECT_EQ(loop.waited(clocks.now), 0s) << "it woke the loop, which had nothing to do before";
-    EXPECT_EQ(loop.waited(arrived), LoopWatch::min_reported + 1ms);
+    EXPECT_EQ(loop.waited(arrived), StallDetector::min_reported + 1ms);
     EXPECT_EQ(loop.waited(arrived), 0s) << "once";
     EXPECT_EQ(loop.standstills(), 1u);
-    EXPECT_EQ(loop.longest(), LoopWatch::min_reported + 1ms);
+    EXPECT_EQ(loop.longest(), StallDetector::min_reported + 1ms);
 }
 
 TEST_F(Watch, remembers_a_stall_through_a_turn_just_too_short_to_be_reported) {
@@ -315,7 +315,7 @@ TEST_F(Watch, remembers_a_stall_through_a_turn_just_too_short_to_be_reported) {
     const Duration came = stamp();
     pass(2s);
     turn();
-    pass(LoopWatch::min_reported);
+    pass(StallDetector::min_reported);
     turn();
     EXPECT_EQ(loop.waited(wire.stamped(came, loop)), 2s);
 }
@@ -335,7 +335,7 @@ TEST_F(Watch, reports_how_long_the_machine_slept) {
     idle(1s);
     suspend(8h);
     pass(1ms);
-    const LoopWatch::Turn woken = turn();
+    const StallDetector::Turn woken = turn();
     EXPECT_EQ(woken.suspended, 8h);
     EXPECT_EQ(woken.stood, 8h);
     EXPECT_EQ(loop.standstills(), 1u);
@@ -355,7 +355,7 @@ TEST_F(Watch, does_not_mistake_the_delay_between_two_clock_readings_for_sleep) {
 }
 
 TEST_F(Watch, does_not_begin_before_the_first_beat) {
-    LoopWatch fresh;
+    StallDetector fresh;
     EXPECT_EQ(fresh.turn(clocks).stood, 0s);
     pass(1h);
     EXPECT_EQ(fresh.turn(clocks).stood, 0s);

@@ -1,4 +1,4 @@
-#include <http/doors/accept.hpp>
+#include <http/listeners/accept.hpp>
 
 #include <gtest/gtest.h>
 

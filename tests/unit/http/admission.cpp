@@ -1,5 +1,5 @@
-#include <http/doors/admission.hpp>
 #include <http/large_body.hpp>
+#include <http/listeners/admission.hpp>
 
 #include <gtest/gtest.h>
 
@@ -13,16 +13,16 @@ using namespace std::chrono_literals;
 
 const std::string looks = "view-token-0123456789", acts = "control-token-0123456789";
 
-Door network_door(bool needs_token = true) {
+ConnectionInfo network_listener(bool needs_token = true) {
     return {.is_network = true, .needs_token = needs_token, .local = "192.168.1.5", .port = 8088, .peer = "192.168.1.77"};
 }
 
-Request asked(std::vector<Field> headers, Door door = network_door()) {
+Request asked(std::vector<Field> headers, ConnectionInfo connection_info = network_listener()) {
     Request request;
     request.method = "GET";
     request.target = "/status";
     request.headers = std::move(headers);
-    request.door = std::move(door);
+    request.connection_info = std::move(connection_info);
     return request;
 }
 
@@ -66,10 +66,10 @@ TEST(Admission, accepts_a_token_in_a_cookie_like_one_in_a_header) {
     EXPECT_EQ(judged(asked({host, {"Cookie", "anogate-8088=" + looks + "; c=d"}})), view);
     EXPECT_EQ(judged(asked({host, {"Cookie", "anogate-9000=" + acts}})), open) << "another gateway of this host";
     EXPECT_EQ(judged(asked({host, {"Cookie", ";;; =;anogate-8088"}})), open);
-    const Field made = admission_with().cookie(acts, network_door());
+    const Field made = admission_with().cookie(acts, network_listener());
     EXPECT_EQ(made.name, "Set-Cookie");
     EXPECT_EQ(made.value, "anogate-8088=" + acts + "; HttpOnly; SameSite=Strict; Path=/; Max-Age=31536000");
-    Door encrypted = network_door();
+    ConnectionInfo encrypted = network_listener();
     encrypted.is_encrypted = true;
     EXPECT_TRUE(admission_with().cookie(acts, encrypted).value.ends_with("; Secure"));
 }
@@ -132,38 +132,38 @@ TEST(Admission, removes_a_token_from_the_query_after_its_check) {
 }
 
 TEST(Admission, requires_no_token_on_a_listener_without_tokens) {
-    EXPECT_EQ(judged(asked({host}, network_door(false))), control);
+    EXPECT_EQ(judged(asked({host}, network_listener(false))), control);
 }
 
 TEST(Admission, requires_a_token_for_proxied_requests_on_every_listener) {
     for (const std::string name : {"Forwarded", "x-forwarded-for", "X-Forwarded-Proto", "VIA"}) {
-        EXPECT_EQ(judged(asked({host, {name, "1"}}, network_door(false))), open) << name;
+        EXPECT_EQ(judged(asked({host, {name, "1"}}, network_listener(false))), open) << name;
         EXPECT_EQ(judged(asked({{name, "1"}}, {})), open) << name;
         EXPECT_EQ(judged(asked({{name, "1"}, {"Authorization", "Bearer " + acts}}, {})), control) << name;
     }
 }
 
 TEST(Admission, rejects_a_host_name_that_does_not_belong_to_the_gateway) {
-    const auto by_name = [](const std::string& name) { return judged(asked({{"Host", name}}, network_door(false))); };
+    const auto by_name = [](const std::string& name) { return judged(asked({{"Host", name}}, network_listener(false))); };
     for (const std::string ours :
          {"192.168.1.5", "192.168.1.5:8088", "localhost:9000", "LOCALHOST", "vehicle", "vehicle.local:8088", "Vehicle.Local."})
         EXPECT_EQ(by_name(ours), control) << ours;
     for (const std::string other : {"evil.example", "", "192.168.1.6", "vehicle.local.evil.example", "localhost.evil.example",
                                     "[::1]", "vehicle@evil.example"})
         EXPECT_EQ(by_name(other), -403) << other;
-    EXPECT_EQ(judged(asked({}, network_door(false))), -403) << "none at all";
-    EXPECT_EQ(judged(asked({host, host}, network_door(false))), -403) << "which of the two a proxy took is not known";
+    EXPECT_EQ(judged(asked({}, network_listener(false))), -403) << "none at all";
+    EXPECT_EQ(judged(asked({host, host}, network_listener(false))), -403) << "which of the two a proxy took is not known";
 
     Admission named = admission_with({{}, {}, {"Vehicle.lan"}, {}});
-    EXPECT_EQ(judged(named, asked({{"Host", "vehicle.lan:8088"}}, network_door(false))), control);
-    Door v6 = network_door(false);
+    EXPECT_EQ(judged(named, asked({{"Host", "vehicle.lan:8088"}}, network_listener(false))), control);
+    ConnectionInfo v6 = network_listener(false);
     v6.local = "fe80::1%wlan0";
     EXPECT_EQ(judged(asked({{"Host", "[fe80::1]:8088"}}, v6)), control);
 }
 
 TEST(Admission, rejects_requests_of_pages_of_other_origins) {
     const auto from = [](const std::string& origin, const std::string& to = "192.168.1.5:8088") {
-        return judged(asked({{"Host", to}, {"Origin", origin}}, network_door(false)));
+        return judged(asked({{"Host", to}, {"Origin", origin}}, network_listener(false)));
     };
     EXPECT_EQ(from("http://192.168.1.5:8088"), control);
     EXPECT_EQ(from("HTTP://192.168.1.5:8088"), control);
@@ -175,17 +175,17 @@ TEST(Admission, rejects_requests_of_pages_of_other_origins) {
           "http://192.168.1.5:8088.evil.example", "file://", "ftp://192.168.1.5:8088", "chrome-extension://192.168.1.5:8088",
           "://192.168.1.5:8088", "httpx://192.168.1.5:8088", "http", "https", "http:", "http://"})
         EXPECT_EQ(from(other), -403) << other;
-    EXPECT_EQ(judged(asked({host, {"Origin", ""}, {"origin", "http://evil.example"}}, network_door(false))), -400)
+    EXPECT_EQ(judged(asked({host, {"Origin", ""}, {"origin", "http://evil.example"}}, network_listener(false))), -400)
         << "two of them";
     Admission friendly = admission_with({{}, {}, {}, {"https://ground.example"}});
-    EXPECT_EQ(judged(friendly, asked({host, {"Origin", "https://Ground.example"}}, network_door(false))), control);
-    EXPECT_EQ(judged(friendly, asked({host, {"Origin", "http://ground.example"}}, network_door(false))), -403);
+    EXPECT_EQ(judged(friendly, asked({host, {"Origin", "https://Ground.example"}}, network_listener(false))), control);
+    EXPECT_EQ(judged(friendly, asked({host, {"Origin", "http://ground.example"}}, network_listener(false))), -403);
 }
 
 TEST(Admission, rejects_content_types_that_a_form_can_send) {
-    const auto sent = [](std::vector<Field> headers, Door door = network_door(false)) {
+    const auto sent = [](std::vector<Field> headers, ConnectionInfo connection_info = network_listener(false)) {
         headers.push_back(host);
-        Request request = asked(std::move(headers), std::move(door));
+        Request request = asked(std::move(headers), std::move(connection_info));
         request.method = "POST";
         request.body = "{}";
         return judged(request);
@@ -294,9 +294,9 @@ TEST(Admission, recognizes_pages_of_other_sites) {
     AdmissionRules rules;
     rules.origins = {"https://ground.example"};
     const Admission admission = admission_with(rules);
-    const auto is_foreign = [&](std::vector<Field> headers, Door door = network_door()) {
+    const auto is_foreign = [&](std::vector<Field> headers, ConnectionInfo connection_info = network_listener()) {
         headers.push_back(host);
-        return admission.is_foreign(asked(std::move(headers), std::move(door)));
+        return admission.is_foreign(asked(std::move(headers), std::move(connection_info)));
     };
     EXPECT_FALSE(is_foreign({}));
     for (const std::string site : {"same-origin", "none", "Same-Origin"})

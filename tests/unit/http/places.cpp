@@ -114,10 +114,10 @@ TEST(Places, close_a_request_with_control_rights_only_if_its_response_takes_long
 
 TEST(Places, identify_a_client_by_its_ipv4_address_or_the_first_half_of_its_ipv6_address) {
     const auto client_at = [](const std::string& peer) {
-        Door door;
-        door.is_network = true;
-        door.peer = peer;
-        const ClientId client_id = client_id_of(unknown_user, door);
+        ConnectionInfo connection_info;
+        connection_info.is_network = true;
+        connection_info.peer = peer;
+        const ClientId client_id = client_id_of(unknown_user, connection_info);
         EXPECT_EQ(client_id.user, unknown_user);
         return client_id.client;
     };
@@ -125,8 +125,8 @@ TEST(Places, identify_a_client_by_its_ipv4_address_or_the_first_half_of_its_ipv6
     EXPECT_EQ(client_at("fd00::1"), client_at("fd00::2:3:4:5"));
     EXPECT_EQ(client_at("fe80::1%eth0"), client_at("fe80::2%eth0"));
     EXPECT_NE(client_at("fd00::1"), client_at("fd00:0:0:1::1"));
-    EXPECT_EQ(client_id_of(alice, Door{}).user, alice);
-    EXPECT_EQ(client_id_of(alice, Door{}).client, client_id_of(bob, Door{}).client);
+    EXPECT_EQ(client_id_of(alice, ConnectionInfo{}).user, alice);
+    EXPECT_EQ(client_id_of(alice, ConnectionInfo{}).client, client_id_of(bob, ConnectionInfo{}).client);
 }
 
 TEST(Places, reserve_one_in_eight_for_clients_with_control_rights) {

@@ -1,4 +1,4 @@
-#include <http/doors/token_file.hpp>
+#include <http/listeners/token_file.hpp>
 #include <support/temp_dir.hpp>
 
 #include <gtest/gtest.h>

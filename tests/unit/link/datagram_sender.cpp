@@ -60,7 +60,7 @@ protected:
     Pacing pacing{clock, [] {}};
     Outbox outbox{{}};
     DatagramSender sender;
-    DatagramSender::Way way;
+    DatagramSender::Path way;
     const ano::TimePoint now = ano::Clock::now();
 };
 

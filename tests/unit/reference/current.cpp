@@ -2,7 +2,7 @@
 #include <ano_json/describe.hpp>
 #include <anoctl/text/reference.hpp>
 #include <config/config.hpp>
-#include <control/control_door.hpp>
+#include <control/control_listeners.hpp>
 #include <control/flexible_control.hpp>
 #include <control/recording_routes.hpp>
 #include <control/reload_routes.hpp>
@@ -49,14 +49,14 @@ TEST(Manual, in_the_repository_matches_the_tables) {
     anogate::Gateway gateway{io, {}};
     anogate::Reload reload{io, gateway, {}, [] { return anogate::ReadConfig{}; }, {}};
     anogate::Recordings recordings{gateway, {}};
-    anogate::ControlDoor door{io, {}};
-    anogate::add_routes(door.routes(), gateway);
-    anogate::add_reload_routes(door.routes(), reload);
-    anogate::add_recording_routes(door.routes(), recordings);
+    anogate::ControlListeners listener{io, {}};
+    anogate::add_routes(listener.routes(), gateway);
+    anogate::add_reload_routes(listener.routes(), reload);
+    anogate::add_recording_routes(listener.routes(), recordings);
     anogate::FlexibleControl flexible{gateway, {}, {}};
-    flexible.add_routes(door.routes());
-    door.add_login_routes();
-    is_current("tools/man/anogate-api.7", api_page(door.routes().rows()));
+    flexible.add_routes(listener.routes());
+    listener.add_login_routes();
+    is_current("tools/man/anogate-api.7", api_page(listener.routes().rows()));
 }
 
 TEST(Completions, in_the_repository_match_the_tables) {

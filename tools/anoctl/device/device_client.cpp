@@ -1,10 +1,10 @@
 #include "device_client.hpp"
 
+#include "access.hpp"
 #include "device_names.hpp"
-#include "door.hpp"
 #include "file_text.hpp"
 #include "job_text.hpp"
-#include "link_door.hpp"
+#include "link_access.hpp"
 
 #include <ano/hex.hpp>
 #include <ano_json/text.hpp>
@@ -66,7 +66,7 @@ std::string format_refusal(const http::Answer& answer, const Json& device, const
 
 struct DeviceClient::Loop {
     asio::io_context io{1};
-    std::unique_ptr<DeviceDoor> door;
+    std::unique_ptr<DeviceAccess> access;
     Json device;    // null: not chosen yet
 };
 
@@ -88,7 +88,7 @@ public:
         await_signal();
         begin(std::move(request));
         loop_.io.run();
-        loop_.door->hang_up();
+        loop_.access->hang_up();
         signals_.cancel();
         view_.end();
         return result();
@@ -96,7 +96,7 @@ public:
 
 private:
     void begin(http::Request request) {
-        loop_.door->stream(
+        loop_.access->stream(
             std::move(request), [this](std::string_view line) { receive(line); },
             [this](http::Outcome outcome) {
                 // Firmware and calibration: the response describes the job, which is then followed by a second request.
@@ -126,7 +126,7 @@ private:
 
     void go_on() {
         if (!std::exchange(waits_, false)) return;
-        loop_.door->ask(request_of("POST", "/jobs/" + text_at(job_, "id") + "/next", {}), [](const http::Outcome&) {});
+        loop_.access->ask(request_of("POST", "/jobs/" + text_at(job_, "id") + "/next", {}), [](const http::Outcome&) {});
     }
 
     // Enter continues a waiting job.
@@ -154,7 +154,7 @@ private:
             view_.end();
             streams_.err << "\nanoctl: cancelling the operation on the device; press Ctrl-C again to quit without waiting"
                          << std::endl;
-            loop_.door->ask(request_of("DELETE", "/jobs/" + text_at(job_, "id"), {}), [](const http::Outcome&) {});
+            loop_.access->ask(request_of("DELETE", "/jobs/" + text_at(job_, "id"), {}), [](const http::Outcome&) {});
             await_signal();
         });
     }
@@ -228,21 +228,21 @@ void DeviceOptions::add_yes(Options& declared, DeviceOptions& self) {
 DeviceClient::DeviceClient(const DeviceOptions& options, Streams& streams)
     : options_{options}, streams_{streams}, loop_{std::make_unique<Loop>()} {
     if (options.link.empty()) {
-        loop_->door = gateway_door(loop_->io, options.gateway.socket());
+        loop_->access = gateway_access(loop_->io, options.gateway.socket());
         return;
     }
     const auto called = ano::address_called(options.device);
     const auto* const address = std::get_if<std::uint8_t>(&called);
     const auto there = options.asks_nothing_first && address != nullptr ? std::optional{*address} : std::nullopt;
     if (there) loop_->device = Json{{"address", ano::hex_byte(*there)}};
-    loop_->door = link_door(loop_->io, link_settings_of(options.link), streams, there);
+    loop_->access = link_access(loop_->io, link_settings_of(options.link), streams, there);
 }
 DeviceClient::~DeviceClient() = default;
 
 Json DeviceClient::ask(const std::string& method, const std::string& target, std::string body) {
     std::optional<http::Outcome> outcome;
     loop_->io.restart();
-    loop_->door->ask(request_of(method, target, std::move(body)), [&](http::Outcome came) {
+    loop_->access->ask(request_of(method, target, std::move(body)), [&](http::Outcome came) {
         outcome = std::move(came);
         loop_->io.stop();
     });

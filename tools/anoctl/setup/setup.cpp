@@ -12,7 +12,7 @@
 #include "service_config.hpp"
 
 #include <ano_json/text.hpp>
-#include <sys/files/kept_file.hpp>
+#include <sys/files/write_atomically.hpp>
 
 #include <nlohmann/json.hpp>
 
@@ -110,7 +110,8 @@ private:
         std::error_code ec;
         if (is_there) fs::rename(file, file + ".old", ec);
         if (ec) throw Failure{file + ".old: " + ec.message()};
-        const std::string wrong = anogate::keep_file(file, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+        const std::string wrong = anogate::write_atomically(file,
+                                                            {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
         if (!wrong.empty()) throw Failure{wrong};
         fs::permissions(file, fs::perms{0644}, ec);
         print(streams, file + " written");

@@ -29,16 +29,16 @@ using ano::Json;
 
 bool is_set(const Json& object, const char* key) { return text_at(object, key) == "true"; }
 
-WebDoor door_of(const Json& http) {
-    WebDoor door;
+WebAddress web_address_of(const Json& http) {
+    WebAddress web_address;
     const std::string written = text_at(http, "address");
     const bool is_v6 = written.find(':') != written.npos;
     const std::string where = (is_v6 ? "[" + written + "]" : written) + ":" + text_at(http, "port");
-    if (const auto endpoint = anogate::EndpointSpec::parse(where)) static_cast<anogate::Endpoint&>(door) = *endpoint;
-    door.is_encrypted = is_set(http, "tls");
+    if (const auto endpoint = anogate::EndpointSpec::parse(where)) static_cast<anogate::Endpoint&>(web_address) = *endpoint;
+    web_address.is_encrypted = is_set(http, "tls");
     for (const Json& host : at(http, "hosts"))
-        if (host.is_string()) door.hosts.push_back(without_controls(host.get<std::string>()));
-    return door;
+        if (host.is_string()) web_address.hosts.push_back(without_controls(host.get<std::string>()));
+    return web_address;
 }
 
 /// The reason why HTTP is not available, and what to do.
@@ -52,10 +52,10 @@ std::string why_not(const Json& http, const std::string& file) {
            ", or start anogated with --http 0.0.0.0:8088, and restart it; 127.0.0.1:8088 limits access to this computer";
 }
 
-void print_door(const Json& http, const WebDoor& door, const Computer& computer, std::ostream& out) {
-    for (const std::string& url : urls_of(door, computer)) out << url << '\n';
-    if (door.address.is_loopback()) {
-        const std::string port = std::to_string(door.port);
+void print_addresses(const Json& http, const WebAddress& web_address, const Computer& computer, std::ostream& out) {
+    for (const std::string& url : urls_of(web_address, computer)) out << url << '\n';
+    if (web_address.address.is_loopback()) {
+        const std::string port = std::to_string(web_address.port);
         out << "accessible from this computer only; from another one, use: ssh -L " << port << ':' << text_at(http, "address")
             << ':' << port << ' ' << (computer.name.empty() ? "HOST" : computer.name) << '\n';
     }
@@ -110,21 +110,21 @@ private:
         const Json status = parse_answer(gateway.ask("GET", "/status"));
         const Json& http = at(status, "http");
         const bool is_up = text_at(http, "state") == "up";
-        const WebDoor door = door_of(http);
+        const WebAddress web_address = web_address_of(http);
         const Computer computer = this_computer();
-        if (is_up && qr) return show_qr(http, door, streams);
-        if (is_up && pair) return show_digits(http, door, streams);
+        if (is_up && qr) return show_qr(http, web_address, streams);
+        if (is_up && pair) return show_digits(http, web_address, streams);
         if (json) {
             Json result{{"urls", Json::array()}};
-            if (is_up) result["urls"] = urls_of(door, computer);
+            if (is_up) result["urls"] = urls_of(web_address, computer);
             if (http.is_object()) result.update(http);
             streams.out << ano::json_text(result) << '\n';
         }
         if (!is_up) throw Failure{why_not(http, text_at(at(at(status, "gateway"), "config"), "file"))};
-        if (!json) print_door(http, door, computer, streams.out);
+        if (!json) print_addresses(http, web_address, computer, streams.out);
         if (!open) return fine;
         streams.out.flush();
-        open_page(http, url_here(door));
+        open_page(http, url_here(web_address));
         return fine;
     }
 
@@ -139,12 +139,12 @@ private:
 
     const char* allowed() const { return view ? "read-only access" : "full control"; }
 
-    int show_qr(const Json& http, const WebDoor& door, Streams& streams) const {
-        if (door.address.is_loopback())
-            throw Failure{"a phone cannot reach the page: control.http listens only on " + door.address.text() +
-                          "; configure \"http\": \"0.0.0.0:" + std::to_string(door.port) + "\" and restart the gateway"};
+    int show_qr(const Json& http, const WebAddress& web_address, Streams& streams) const {
+        if (web_address.address.is_loopback())
+            throw Failure{"a phone cannot reach the page: control.http listens only on " + web_address.address.text() +
+                          "; configure \"http\": \"0.0.0.0:" + std::to_string(web_address.port) + "\" and restart the gateway"};
         const bool needs_code = is_set(http, "token_needed");
-        const std::string page = url_for_phones(door, this_computer()),
+        const std::string page = url_for_phones(web_address, this_computer()),
                           link = needs_code ? SignIn{gateway, view}.link(page) : page;
         if (json) {
             streams.out << Json{{"link", link}} << '\n';
@@ -155,8 +155,8 @@ private:
         return fine;
     }
 
-    int show_digits(const Json& http, const WebDoor& door, Streams& streams) const {
-        const std::string page = urls_of(door, this_computer()).front();
+    int show_digits(const Json& http, const WebAddress& web_address, Streams& streams) const {
+        const std::string page = urls_of(web_address, this_computer()).front();
         if (!is_set(http, "token_needed")) throw Failure{"no token required; open " + page};
         const Json code = SignIn{gateway, view}.code(SignIn::Form::digits);
         if (json) {

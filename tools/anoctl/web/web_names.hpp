@@ -14,7 +14,7 @@ struct Computer {
 };
 
 /// The endpoint on which the gateway listens.
-struct WebDoor : anogate::Endpoint {
+struct WebAddress : anogate::Endpoint {
     bool is_encrypted = false;
     std::vector<std::string> hosts{};    // configured names
 };
@@ -27,12 +27,12 @@ std::vector<anogate::IpAddress> reachable(const Computer& computer);
 
 /// "https://192.168.1.5:8088/": all URLs of the gateway. URLs with addresses are first, because they always work. If the gateway
 /// listens on a loopback address, only the URLs for this computer.
-std::vector<std::string> urls_of(const WebDoor& door, const Computer& computer);
+std::vector<std::string> urls_of(const WebAddress& web_address, const Computer& computer);
 
 /// The URL that works on most phones: the first of urls_of() without an IPv6 address, if there is one.
-std::string url_for_phones(const WebDoor& door, const Computer& computer);
+std::string url_for_phones(const WebAddress& web_address, const Computer& computer);
 
 /// The URL for browsers on this computer.
-std::string url_here(const WebDoor& door);
+std::string url_here(const WebAddress& web_address);
 
 }    // namespace anoctl
