@@ -1,4 +1,5 @@
 #include <daemon/check_paths.hpp>
+#include <link/replay_settings.hpp>
 #include <link/serial/port_identity.hpp>
 #include <sys/files/own_folder.hpp>
 
@@ -34,6 +35,12 @@ std::string fault_of_port(const std::string& device) {
     return there == fs::file_type::regular ? "is a regular file, not a serial port" : fault_of_by_id("/", device);
 }
 
+std::string fault_of_recording(const std::string& file) {
+    const fs::file_type there = type_of(file);
+    if (there == fs::file_type::not_found) return "not found; anogated waits for it";
+    return there == fs::file_type::regular || there == fs::file_type::none ? "" : "is not a regular file";
+}
+
 // The map file may also be added while the program runs.
 std::string fault_of_map(const std::string& file) {
     const fs::file_type there = type_of(file);
@@ -52,6 +59,12 @@ void warn_of_paths(Draft& draft) {
     for (const NamedPath& named : paths_of_links(draft)) {
         const std::string& path = named.path.path;
         warn(draft, named.origin, named.key, path, named.path.is_made ? fault_of_pty(path) : fault_of_port(path));
+    }
+    for (std::size_t i = 0; i < draft.settings.links.size(); ++i) {
+        const LinkSettings& link = draft.settings.links[i];
+        if (!link.kind->replays || draft.links[i].broken) continue;
+        const std::string& file = link.as<ReplaySettings>().file;
+        warn(draft, draft.links[i], "file", file, fault_of_recording(file));
     }
     if (const std::string& file = draft.settings.log.file; !file.empty())
         warn(draft, draft.log, "file", file, fault_of_log(file));

@@ -216,7 +216,7 @@ std::variant<CommandLine, Exit> parse_command_line(int argc, const char* const* 
     const std::string file = by_default ? default_file : arguments.configs.empty() ? "" : arguments.configs.front();
     std::vector<ConfigText> files;
     if (instead) files = *instead;
-    else if (by_default || !arguments.configs.empty()) files = read_files(file, by_default, draft);
+    else if (by_default ? draft.errors.empty() : !arguments.configs.empty()) files = read_files(file, by_default, draft);
     read_config(files, draft);
     read_links(arguments.links, draft);
     for (const std::string& route : arguments.routes) read_route(route, "--route '" + route + "'", draft);

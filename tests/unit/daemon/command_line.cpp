@@ -133,6 +133,11 @@ TEST(CommandLine, a_check_warns_of_paths_that_cannot_be_created) {
                   .find("': its adapter has no serial number, so after replugging this name may belong to another adapter"),
               std::string::npos);
     EXPECT_EQ(warnings("serial:/dev/nonexistent,baud=500000"), "") << "it is waited for";
+    EXPECT_NE(
+        warnings("replay:" + there + "/none.mcap").find("'file' '" + there + "/none.mcap': not found; anogated waits for it"),
+        std::string::npos);
+    EXPECT_NE(warnings("replay:" + there).find("'file' '" + there + "': is not a regular file"), std::string::npos);
+    EXPECT_EQ(warnings("replay:" + file), "");
     const auto of_log = [&](const std::string& path) {
         const std::string config = folder.write("log.json", R"({"links": ["sim:fc"], "log": {"file": ")" + path + "\"}}");
         return line_of({"--check", "--config", config.c_str()}).warnings;
@@ -315,6 +320,8 @@ TEST(CommandLine, an_option_does_not_use_the_next_option_as_its_value) {
 TEST(CommandLine, a_key_of_a_link_is_not_an_option) {
     EXPECT_EQ(error_of({"sim:fc", "--baud=9600"}),
               "anogated: unknown option '--baud': it is a key of a LINK: write KIND:ADDRESS,baud=NUMBER\n");
+    EXPECT_EQ(error_of({"--check", "--bla"}), "anogated: unknown option '--bla'; --help all lists all options\n")
+        << "the default file is not to blame";
     EXPECT_EQ(error_of({"sim:fc", "-v"}), "anogated: unknown option '-v'; --help all lists all options\n");
 }
 
