@@ -213,7 +213,7 @@ std::vector<ClientConnection> Server::Quota::connections() {
 template <class Call>
 void Server::for_each_session(Call call) {
     for (Quota* const quota : {&local_, &network_})
-        for (const auto& session : std::vector{room->sessions})
+        for (const auto& session : std::vector{quota->sessions})
             if (const auto alive = session.lock()) call(alive);
 }
 

@@ -103,7 +103,7 @@ private:
     }
     void done(const Task& task, TimePoint now) override {
         const std::uint8_t address = place().device.address();
-        forget_loader_notes(place().notes, address, place().net.unit_place(address, now));
+        forget_loader_notes(place().journal, address, place().net.unit_place(address, now));
         WorkEnd end = end_of(*task.end(), texts());
         const double seconds = std::chrono::duration<double>(now - began_).count();
         Json result{{"bytes", size_},

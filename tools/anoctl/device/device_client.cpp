@@ -1,6 +1,6 @@
 #include "device_client.hpp"
 
-#include "access.hpp"
+#include "device_access.hpp"
 #include "device_names.hpp"
 #include "file_text.hpp"
 #include "job_text.hpp"

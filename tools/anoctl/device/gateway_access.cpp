@@ -1,4 +1,4 @@
-#include "access.hpp"
+#include "device_access.hpp"
 
 #include <http/client/client.hpp>
 

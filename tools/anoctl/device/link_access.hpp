@@ -1,6 +1,6 @@
 // The routes of devices in this process, with its own link.
 #pragma once
-#include "access.hpp"
+#include "device_access.hpp"
 
 #include <anoctl/anoctl.hpp>
 
