@@ -15,7 +15,9 @@
 #include <poll.h>
 
 #include <atomic>
+#include <csignal>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <optional>
 #include <string>
@@ -331,6 +333,19 @@ TEST_F(Tls, a_server_that_sends_nothing_does_not_delay_the_stop) {
     daemon.signal(SIGTERM);
     EXPECT_EQ(daemon.wait(), 0);
     EXPECT_LT(ano::Clock::now() - start, 8s) << "the handshake is waited for 10 s";
+}
+
+// OpenSSL sends without MSG_NOSIGNAL.
+TEST_F(Tls, a_peer_that_closes_does_not_end_anoctl_by_a_signal) {
+    TcpListener silent;
+    Process anoctl{ANOCTL, {"monitor", "tls:127.0.0.1:" + std::to_string(silent.port()) + ",verify=none"}};
+    TcpPeer accepted;
+    ASSERT_TRUE(wait_until([&] { return silent.accept(accepted); }));
+    std::ifstream status{"/proc/" + std::to_string(anoctl.pid()) + "/status"};
+    std::uint64_t ignored = 0;
+    for (std::string word; status >> word;)
+        if (word == "SigIgn:") status >> std::hex >> ignored;
+    EXPECT_NE(ignored & (std::uint64_t{1} << (SIGPIPE - 1)), 0u);
 }
 
 TEST_F(Tls, files_that_become_unusable_are_reported_and_the_previous_ones_stay_in_use) {

@@ -1,4 +1,4 @@
-// FrameTaker receives frames as they arrive, from a running gateway (watch.hpp) or from a link of this process (own_link.hpp).
+// FrameReceiver receives frames as they arrive, from a running gateway (watch.hpp) or from a link of this process (own_link.hpp).
 #pragma once
 #include <ano/frame.hpp>
 #include <record/decoding.hpp>

@@ -306,7 +306,9 @@ private:
 
 OwnLink::OwnLink(asio::io_context& io, const LinkSettings& settings, FrameReceiver& receiver, Streams& streams, std::string who,
                  Duration look_every)
-    : host_{std::make_unique<Host>(io, settings, receiver, streams, std::move(who), look_every)} {}
+    : host_{std::make_unique<Host>(io, settings, receiver, streams, std::move(who), look_every)} {
+    if (settings.kind->encrypts) std::signal(SIGPIPE, SIG_IGN);    // OpenSSL raises it when it sends after the peer has closed
+}
 OwnLink::~OwnLink() = default;
 
 void OwnLink::start() { host_->start(); }

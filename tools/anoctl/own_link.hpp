@@ -22,8 +22,8 @@ anogate::LinkSettings link_settings_of(const std::string& link, std::string_view
 /// "hello, limit.0x01": the keys of a LINK text that have no effect for a listener, because they apply to sending or forwarding.
 std::string keys_idle_for_listener(std::string_view link);
 
-/// Passes each valid frame to a FrameTaker. Reports on `err` whether the link is up, or why it waits, and the hints that the
-/// status of a gateway would contain. Runs while its loop runs, and stops the loop when the FrameTaker needs no more frames.
+/// Passes each valid frame to a FrameReceiver. Reports on `err` whether the link is up, or why it waits, and the hints that the
+/// status of a gateway would contain. Runs while its loop runs, and stops the loop when the FrameReceiver needs no more frames.
 class OwnLink {
 public:
     /// The references must outlive it. `who`: the command, for the messages on `err`; if empty, there is no message when the link
@@ -35,7 +35,7 @@ public:
     OwnLink& operator=(const OwnLink&) = delete;
 
     void start();
-    /// Closes the link. Must not be called from within the FrameTaker.
+    /// Closes the link. Must not be called from within the FrameReceiver.
     void stop();
     /// Sends a frame to every channel on which its destination was heard, or else to all channels. False: no channel accepted it,
     /// for example because none is open or the port of the link is missing.
