@@ -1,4 +1,5 @@
 // Which senders hold the places of peers, and which get one later. tests/README.md has the figures.
+#include <gateway/peers/peer_book.hpp>
 #include <link/udp/udp_settings.hpp>
 #include <support/namespaces.hpp>
 #include <support/running_gateway.hpp>
@@ -7,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <memory>
 
 namespace peer_places_tests {
@@ -35,8 +37,8 @@ protected:
         const Inside inside{*here};
         daemon = std::make_unique<RunningGateway>(settings_of({std::move(ground), udp_listen("air")}));
         fc = std::make_unique<UdpPeer>();
-        fc->send(daemon->port("air"), frame(0xDC, 0xFE, 0xF1, Bytes(10, 1)));
-        ASSERT_TRUE(until([&] { return daemon->count("air", "frames_in") == 1; }));
+        for (std::uint8_t n = 0; n < 2; ++n) send_from_fc(n);    // a peer that sent once is forgotten after 10 s
+        ASSERT_TRUE(until([&] { return daemon->count("air", "frames_in") == 2; }));
         fc->forget();
     }
     void TearDown() override {
@@ -52,6 +54,7 @@ protected:
             daemon->io().run_one_for(200us);
         });
     }
+    void send_from_fc(std::uint8_t n) { fc->send(daemon->port("air"), frame(0xDC, 0xFE, 0xF1, Bytes(10, n))); }
     anogate::Endpoint to() const { return {anogate::IpAddress::v4(10, 0, 0, 1), daemon->port("ground")}; }
     UdpPeer& stranger(int address) {
         const Inside inside{*there};
@@ -111,25 +114,60 @@ TEST_F(Strangers, that_send_commands_block_no_command_of_an_operator) {
     start();
     for (int i = 0; i < 30; ++i) stranger(10 + i);
     UdpPeer& pilot = stranger(40);
+    const auto commands = [&] {
+        std::size_t count = 0;
+        for (const Bytes& one : split(fc->heard()).frames)
+            for (std::uint8_t n = 0; n < 20; ++n) count += one == command(n) ? 1u : 0u;
+        return count;
+    };
     const auto sent_and_read = [&](auto&& send, std::size_t datagrams) {
         const auto before = daemon->count("ground", "bytes_in");
         send();
-        return until([&] { return daemon->count("ground", "bytes_in") >= before + datagrams * command(0).size(); });
+        return until([&] {
+            fc->heard();    // before its buffer is full
+            return daemon->count("ground", "bytes_in") >= before + datagrams * command(0).size();
+        });
     };
     for (std::uint8_t n = 0; n < 20; ++n) {
+        send_from_fc(n);
         ASSERT_TRUE(sent_and_read(
             [&] {
                 for (std::size_t i = 0; i < 30; ++i) peers[i]->send(to(), frame(0xFE, 0xDC, 0xC0, {16, 9, 0}));
             },
             30));
         EXPECT_EQ(places(), 16u);
-        std::this_thread::sleep_for(1ms);
+        std::this_thread::sleep_for(anogate::PeerBook::turn * anogate::PeerBook::turns_at_once);
         ASSERT_TRUE(sent_and_read([&] { pilot.send(to(), command(n)); }, 1));
     }
-    std::size_t through = 0;
-    for (const Bytes& one : split(fc->heard()).frames)
-        for (std::uint8_t n = 0; n < 20; ++n) through += one == command(n) ? 1u : 0u;
-    EXPECT_EQ(through, 20u);
+    EXPECT_TRUE(until([&] { return commands() == 20; })) << commands();
+    EXPECT_TRUE(daemon->counters_add_up());
+}
+
+// Reading comes first: its command waits behind much traffic of others when a new host gets its place.
+TEST_F(Strangers, that_displace_an_operator_do_not_drop_its_command_that_is_waiting) {
+    start();
+    UdpPeer& talker = stranger(10);
+    talker.send(to(), frame(0x40, 0xFF, 0xF1, Bytes(13, 1)));
+    for (int i = 11; i < 25; ++i) stranger(i).send(to(), frame(0xFE, 0xDC, 0xC0, {16, 9, 0}));
+    ASSERT_TRUE(until([&] { return places() == 15; }));
+    UdpPeer& pilot = stranger(40);
+    const auto arrived = [&](std::uint8_t n) {
+        const auto frames = split(fc->heard()).frames;
+        return std::find(frames.begin(), frames.end(), command(n)) != frames.end();
+    };
+    pilot.send(to(), command(0));
+    ASSERT_TRUE(until([&] { return arrived(0); }));
+    Bytes datagram;
+    for (std::uint8_t n = 0; n < 60; ++n) datagram = datagram + frame(0x40, 0xFF, 0xF1, Bytes(13, n));
+    for (int i = 0; i < 40; ++i) talker.send(to(), datagram);
+    pilot.send(to(), command(1));
+    for (int i = 50; i < 54; ++i) stranger(i).send(to(), frame(0xFE, 0xDC, 0xC0, {16, 9, 0}));
+    ASSERT_TRUE(until([&] {
+        const auto channels = daemon->link("ground").at("channels");
+        return std::none_of(channels.begin(), channels.end(),
+                            [&](const auto& c) { return c.at("peer") == pilot.local().text(); });
+    })) << "the attack is one";
+    EXPECT_TRUE(until([&] { return arrived(1); }));
     EXPECT_TRUE(daemon->counters_add_up());
 }
 

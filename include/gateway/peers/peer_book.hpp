@@ -89,7 +89,7 @@ public:
     /// The peer is a host and sent a command. Several at the same time count as one.
     void commanded(ChannelId id, TimePoint now) noexcept;
     Rank rank(ChannelId id) const noexcept { return peer(id).rank; }
-    void remove(ChannelId id) { used_.erase(id); }
+    void remove(ChannelId id) noexcept;
     void clear() { used_.clear(); }
 
     void heard(ChannelId id, std::uint8_t source, TimePoint now) noexcept;
@@ -142,7 +142,7 @@ private:
     static constexpr std::size_t max_rejected = 64;
     static constexpr std::size_t max_rejected_of_address = 2;
 
-    // A peer that lost its place to another host that sends commands.
+    // A host that sent commands and lost its place.
     struct Displaced {
         Endpoint endpoint;
         TimePoint commanded_at{};

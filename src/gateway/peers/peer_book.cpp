@@ -44,7 +44,6 @@ std::optional<ChannelId> PeerBook::replaced_by_command(TimePoint now) noexcept {
         return std::max(p.commanded_at - p.commanded_before, now - p.commanded_at);
     };
     if (before && between_commands(peer(*before)) > between_commands(peer(*last))) last = before;
-    remember_displaced(peer(*last));
     return last;
 }
 
@@ -132,6 +131,11 @@ void PeerBook::add(ChannelId id, const Endpoint& endpoint, bool near, TimePoint 
     peer(id).exchange_began = now;
     for (const Displaced& displaced : displaced_)
         if (displaced.endpoint == endpoint) peer(id).commanded_at = displaced.commanded_at;
+}
+
+void PeerBook::remove(ChannelId id) noexcept {
+    if (used_.contains(id) && peer(id).rank == Rank::commands) remember_displaced(peer(id));
+    used_.erase(id);
 }
 
 void PeerBook::heard(ChannelId id, std::uint8_t source, TimePoint now) noexcept {

@@ -70,6 +70,7 @@ private:
     bool is_crowded() const;
     void store(Peer& peer, std::span<const std::uint8_t> datagram, TimePoint arrived_at);
     void process_waiting(Duration time);
+    std::size_t process_next(Peer& peer, TimePoint now);
     Peer& peer_of(ChannelId channel) noexcept;
     void receive(Peer& peer, ano::FrameView frame, TimePoint now);
     Peer* find(const Endpoint& endpoint) noexcept;
@@ -85,6 +86,7 @@ private:
     void heard_notice(const Endpoint& from, const ListeningNotice& notice, TimePoint now);
     void send_notice(const Endpoint& to, const std::optional<ListeningNotice>& notice);
     void forget(Peer& peer);
+    void evict(ChannelId channel, TimePoint now);
     void forget_overdue_peers();
     bool read_reports();
     void expire(Peer& peer);

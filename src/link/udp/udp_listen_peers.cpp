@@ -10,6 +10,7 @@ namespace anogate {
 namespace {
 
 constexpr Duration read_first = std::chrono::seconds{1};
+constexpr std::size_t max_at_eviction = 1024;    // bytes, about as many as the first datagram of the new peer may have
 
 }    // namespace
 
@@ -72,8 +73,7 @@ UdpListenLink::Peer* UdpListenLink::admit(const Endpoint& endpoint, std::span<co
         ++no_place_;
         return refuse(datagram), nullptr;
     }
-    if (place.evicted)
-        forget(**std::find_if(peers_.begin(), peers_.end(), [&](const auto& p) { return p->channel.id == *place.evicted; }));
+    if (place.evicted) evict(*place.evicted, now);
     Peer* peer = make_peer(endpoint, now, rank);
     if (!peer) refuse(datagram);
     return peer;
@@ -169,6 +169,13 @@ void UdpListenLink::forget(Peer& peer) {
     check_.forget(peer.endpoint);
     std::erase_if(peers_, [&](const auto& p) { return p.get() == &peer; });
     context_.host.close_channel(channel, {});
+}
+
+// Its waiting datagrams were received while it was a peer, and one of them may be a command.
+void UdpListenLink::evict(ChannelId channel, TimePoint now) {
+    for (std::size_t bytes = 0; waiting_.contains(channel) && bytes < max_at_eviction;)
+        bytes += process_next(peer_of(channel), now);
+    forget_peer(channel);
 }
 
 void UdpListenLink::forget_peer(ChannelId channel) {

@@ -27,16 +27,21 @@ void UdpListenLink::process_waiting(Duration time) {
     const TimePoint ends = now + time;
     for (TimePoint before = now; !waiting_.empty() && (before == now || before < ends);) {
         const ChannelId id = shares_.next(waiting_);
-        Peer& peer = peer_of(id);
-        const DatagramQueue::Datagram next = peer.waiting->pop();
-        if (peer.waiting->empty()) waiting_.erase(id);
-        receive(peer, next.bytes, next.arrived_at, now);
+        process_next(peer_of(id), now);
         const TimePoint after = ano::Clock::now();
         shares_.charge(id, after - before);
         before = after;
     }
     if (!waiting_.empty()) return next_turn_.set(now);
     for (const auto& peer : peers_) peer->waiting.reset();
+}
+
+// Returns the size of the datagram. May remove the peer.
+std::size_t UdpListenLink::process_next(Peer& peer, TimePoint now) {
+    const DatagramQueue::Datagram next = peer.waiting->pop();
+    if (peer.waiting->empty()) waiting_.erase(peer.channel.id);
+    receive(peer, next.bytes, next.arrived_at, now);
+    return next.bytes.size();
 }
 
 UdpListenLink::Peer& UdpListenLink::peer_of(ChannelId channel) noexcept {
