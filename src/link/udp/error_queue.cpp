@@ -7,6 +7,7 @@
 
 #include <linux/errqueue.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 
@@ -24,6 +25,20 @@ bool nothing_listens(const sock_extended_err& report) noexcept {
             report.ee_code == ICMP_PORT_UNREACH) ||
            (report.ee_origin == SO_EE_ORIGIN_ICMP6 && report.ee_type == ICMP6_DST_UNREACH &&
             report.ee_code == ICMP6_DST_UNREACH_NOPORT);
+}
+
+bool host_is_absent(const sock_extended_err& report) noexcept {
+    return (report.ee_origin == SO_EE_ORIGIN_ICMP && report.ee_type == ICMP_DEST_UNREACH &&
+            report.ee_code == ICMP_HOST_UNREACH) ||
+           (report.ee_origin == SO_EE_ORIGIN_ICMP6 && report.ee_type == ICMP6_DST_UNREACH &&
+            report.ee_code == ICMP6_DST_UNREACH_ADDR);
+}
+
+IpAddress sender_of(const cmsghdr& c) noexcept {
+    sockaddr_storage from{};
+    const std::size_t rest = c.cmsg_len - std::min<std::size_t>(c.cmsg_len, CMSG_LEN(sizeof(sock_extended_err)));
+    std::memcpy(&from, CMSG_DATA(&c) + sizeof(sock_extended_err), std::min(rest, sizeof from));
+    return endpoint_of(from).address;
 }
 
 }    // namespace
@@ -50,7 +65,8 @@ bool may_be_reported(int error) noexcept {
     }
 }
 
-std::size_t read_error_reports(int fd, const std::function<void(const Endpoint&)>& on_refused) {
+std::size_t read_error_reports(int fd, const std::function<void(const Endpoint& to)>& on_refused,
+                               const std::function<void(const Endpoint& to, const IpAddress& by)>& on_absent) {
     std::size_t count = 0;
     for (std::size_t i = 0; i < max_reports; ++i) {
         sockaddr_storage to{};
@@ -68,7 +84,9 @@ std::size_t read_error_reports(int fd, const std::function<void(const Endpoint&)
             sock_extended_err report;
             std::memcpy(&report, CMSG_DATA(c), sizeof report);
             if (from_network(report)) ++count;
-            if (nothing_listens(report) && message.msg_namelen > 0) on_refused(endpoint_of(to));
+            if (message.msg_namelen == 0) continue;
+            if (nothing_listens(report)) on_refused(endpoint_of(to));
+            else if (on_absent && host_is_absent(report)) on_absent(endpoint_of(to), sender_of(*c));
         }
     }
     return count;

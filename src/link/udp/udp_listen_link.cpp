@@ -21,6 +21,10 @@ namespace {
 
 constexpr Duration quiet = std::chrono::milliseconds{100};
 constexpr Duration look_slack = std::chrono::seconds{1};
+// A peer of our networks that does not answer the kernel's search for its hardware address. Meanwhile the kernel keeps up to 256
+// datagrams to it, which use the send buffer of all peers.
+constexpr Duration absent_for = std::chrono::seconds{10};
+constexpr Duration between_tries = std::chrono::seconds{1};
 constexpr Duration look_at_suspect = std::chrono::seconds{1};    // shortest time between checks whether a peer is a gateway
 
 // While datagrams are waiting for their turn, the socket is read again after this time, before its buffer is full.
@@ -41,9 +45,9 @@ std::uint64_t random_number() {
     return std::uint64_t{source()} << 32 | source();
 }
 
-void hold_back_all(Outbox& outbox, TimePoint now) {
+void drop_all(Outbox& outbox, TimePoint now, std::uint64_t SendCounters::*cause) {
     std::array<std::span<const std::uint8_t>, 1> next;
-    while (outbox.gather(next, now) > 0) outbox.drop_frame(&SendCounters::held_back);
+    while (outbox.gather(next, now) > 0) outbox.drop_frame(cause);
 }
 
 // Passes the frames about to be sent to `far`: an answer to one of them proves that the peer receives.
@@ -170,6 +174,7 @@ void UdpListenLink::receive(const sockaddr_storage& sender, std::span<const std:
 // May remove the peer.
 void UdpListenLink::receive(Peer& peer, std::span<const std::uint8_t> datagram, TimePoint arrived_at, TimePoint now) {
     peer.channel.arrived_at = arrived_at;
+    peer.absent_until = {};
     if (std::exchange(peer.came, true)) book_.came(peer.channel.id);
     if (peer.far) peer.far->came(datagram.size(), now);
     feed_datagram(peer.channel.parser, datagram, now, [&](ano::FrameView frame) { receive(peer, frame, now); });
@@ -238,11 +243,16 @@ void UdpListenLink::send_notice(const Endpoint& to, const std::optional<Listenin
 // Does not remove peers: the outbox of the refused peer may be in use by the sender.
 bool UdpListenLink::read_reports() {
     const TimePoint now = context_.host.now();
-    return read_error_reports(descriptor_.fd(), [&](const Endpoint& there) {
-               const Peer* peer = find(there);
-               // set_no_later(): if an alarm triggers the sending, postponing look_ each time would delay it for ever.
-               if (peer && book_.refused(peer->channel.id, now)) look_.set_no_later(now);
-           }) > 0;
+    const auto refused = [&](const Endpoint& there) {
+        const Peer* peer = find(there);
+        // set_no_later(): if an alarm triggers the sending, postponing look_ each time would delay it for ever.
+        if (peer && book_.refused(peer->channel.id, now)) look_.set_no_later(now);
+    };
+    const auto absent = [&](const Endpoint& there, const IpAddress& by) {
+        Peer* const peer = find(there);
+        if (peer && networks_.have(by, now)) peer->absent_until = now + absent_for;    // others may forge it
+    };
+    return read_error_reports(descriptor_.fd(), refused, absent) > 0;
 }
 
 int UdpListenLink::send(const Endpoint& to, std::span<const std::uint8_t> bytes) {
@@ -280,16 +290,22 @@ void UdpListenLink::flush(Channel& channel) {
     DatagramSender::Path way{descriptor_.fd(), &peer.address, settings().pack ? settings().mtu : 0u, &read_reports_, SIZE_MAX};
     for (;;) {
         const TimePoint now = context_.host.now();
+        if (now < peer.absent_until) {
+            if (now < peer.next_try) return drop_all(channel.outbox, now, &SendCounters::send_failed);
+            peer.next_try = now + between_tries;
+            way.max_bytes = channel.outbox.next(now).size;
+        }
         const std::uint64_t sent_before = channel.outbox.counters().bytes_out;
         if (peer.far) {
-            way.max_bytes = peer.far->allowance(now);
+            way.max_bytes = std::min(way.max_bytes, peer.far->allowance(now));
             remember(*peer.far, channel.outbox, way.max_bytes, now);
         }
         const SendResult result = context_.sender.send_all(way, channel.outbox, pacing_, now).result;
         if (peer.far) peer.far->left(static_cast<std::size_t>(channel.outbox.counters().bytes_out - sent_before));
         switch (result) {
         case SendResult::done:
-            if (peer.far) hold_back_all(channel.outbox, now);
+            if (peer.far) drop_all(channel.outbox, now, &SendCounters::held_back);
+            else if (now < peer.absent_until) drop_all(channel.outbox, now, &SendCounters::send_failed);
             return;
         case SendResult::paced: return;
         case SendResult::full: descriptor_.when_writable([this] { flush_all(); }); return;
@@ -300,6 +316,7 @@ void UdpListenLink::flush(Channel& channel) {
 }
 
 void UdpListenLink::flush_all() {
+    read_reports();    // first, so that nothing more is sent to an absent peer
     ++first_served_;
     for (std::size_t i = 0; i < peers_.size(); ++i) flush(peers_[(first_served_ + i) % peers_.size()]->channel);
 }

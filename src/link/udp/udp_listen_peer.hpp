@@ -32,6 +32,8 @@ struct UdpListenLink::Peer {
     std::unique_ptr<FarPeer> far;                // set for a peer outside our networks, until it has shown that it receives
     TimePoint ask_at{};                          // earliest time to check whether it is a listening gateway
     TimePoint suspended_until{};                 // its frames are refused until then
+    TimePoint absent_until{};                    // until then it gets few datagrams: the kernel finds no host at its address
+    TimePoint next_try{};                        // while it is absent
     bool came = false;                           // a datagram of it was processed
     bool is_gateway = false;                     // according to its answer; removed when its datagram is processed
 };
