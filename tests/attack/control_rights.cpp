@@ -200,8 +200,8 @@ TEST(FewDescriptors, are_partly_reserved_for_status_and_reload) {
     const Bursts sockets{at_socket, "GET /frames HTTP/1.1\r\nHost: x\r\n" + upgrade + "\r\n"},
         streams{at_socket, "GET /frames HTTP/1.1\r\nHost: x\r\n\r\n"}, halves{at_socket, "GET /sta"};
     for (int i = 0; i < 20; ++i) {
-        EXPECT_TRUE(http(socket, "GET /status HTTP/1.0\r\n\r\n").starts_with("HTTP/1.0 200")) << i;
-        const std::string reload = http(socket, "POST /reload HTTP/1.0\r\nContent-Length: 0\r\n\r\n");
+        EXPECT_TRUE(http(socket, "GET /status HTTP/1.0\r\n\r\n", patience).starts_with("HTTP/1.0 200")) << i;
+        const std::string reload = http(socket, "POST /reload HTTP/1.0\r\nContent-Length: 0\r\n\r\n", patience);
         EXPECT_TRUE(reload.starts_with("HTTP/1.0 200")) << i << ": " << reload;
     }
 }
@@ -228,7 +228,9 @@ TEST(FewDescriptors, are_used_for_links_first) {
                            [](const auto& link) { return link.at("state") == "up"; });
     })) << daemon.status()["links"];
     // The final responses to rejected clients use descriptors for at most a second.
-    const auto status = [&] { return http(dir / "control.sock", "GET /status HTTP/1.0\r\n\r\n").starts_with("HTTP/1.0 200"); };
+    const auto status = [&] {
+        return http(dir / "control.sock", "GET /status HTTP/1.0\r\n\r\n", patience).starts_with("HTTP/1.0 200");
+    };
     ASSERT_TRUE(wait_until(status));
     for (int i = 0; i < 20; ++i) EXPECT_TRUE(status()) << i;
 }

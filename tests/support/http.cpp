@@ -12,10 +12,10 @@ namespace support {
 namespace {
 
 template <class Address>
-int connect_to(const Address& address, int family, const Address* from = nullptr) {
+int connect_to(const Address& address, int family, const Address* from, std::chrono::seconds longest) {
     const int fd = ::socket(family, SOCK_STREAM | SOCK_CLOEXEC, 0);
     if (from) ::bind(fd, reinterpret_cast<const sockaddr*>(from), sizeof *from);
-    timeval limit{5, 0};
+    const timeval limit{longest.count(), 0};
     ::setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
     ::setsockopt(fd, SOL_SOCKET, SO_SNDTIMEO, &limit, sizeof limit);
     if (::connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0) return fd;
@@ -34,11 +34,11 @@ std::string ask(int fd, const std::string& request) {
 
 }    // namespace
 
-int connect_unix(const std::string& path) {
+int connect_unix(const std::string& path, std::chrono::seconds limit) {
     sockaddr_un address{};
     address.sun_family = AF_UNIX;
     path.copy(address.sun_path, sizeof address.sun_path - 1);
-    return connect_to(address, AF_UNIX);
+    return connect_to<sockaddr_un>(address, AF_UNIX, nullptr, limit);
 }
 
 int connect_tcp(std::uint16_t port, const std::string& from) {
@@ -47,7 +47,7 @@ int connect_tcp(std::uint16_t port, const std::string& from) {
     address.sin_port = htons(port);
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     ::inet_pton(AF_INET, from.c_str(), &own.sin_addr);
-    return connect_to(address, AF_INET, &own);
+    return connect_to(address, AF_INET, &own, std::chrono::seconds{5});
 }
 
 std::string read_to_end(int fd) {
@@ -57,7 +57,9 @@ std::string read_to_end(int fd) {
     return text;
 }
 
-std::string http(const std::string& socket, const std::string& request) { return ask(connect_unix(socket), request); }
+std::string http(const std::string& socket, const std::string& request, std::chrono::seconds limit) {
+    return ask(connect_unix(socket, limit), request);
+}
 std::string http(std::uint16_t port, const std::string& request, const std::string& from) {
     return ask(connect_tcp(port, from), request);
 }
