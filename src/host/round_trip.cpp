@@ -9,6 +9,7 @@ void RoundTrip::answered(Duration since_first, bool repeated) noexcept {
     if (repeated && (++repeated_in_a_row_ < repeated_enough || !doubled_)) return;
     repeated_in_a_row_ = 0;
     doubled_ = false;
+    measured_ = std::min(measured_ + 1, few);
     least_ = std::min(least_, since_first);
     if (!smoothed_) {
         smoothed_ = since_first;
@@ -44,7 +45,7 @@ Duration RoundTrip::time_out_after(unsigned losses, bool answers, bool by_itself
     if (smoothed_ && !grows()) losses = answers && losses < losses_in_a_row ? 0 : std::min(losses, max_doublings);
     Duration time = by_itself && smoothed_ ? std::min(time_out(), first + 4 * least_) : time_out();
     for (; losses > 0 && time < ceiling; --losses) time *= 2;
-    return std::min(time, ceiling);
+    return std::clamp(time, measured_ < few ? first : floor, ceiling);
 }
 
 }    // namespace ano::host
