@@ -172,7 +172,7 @@ public:
     /// Whether it was identified since the last of its doubts().
     bool is_identified() const noexcept { return doubts_ == identified_doubts_; }
     /// Its device info differs from answer to answer without any sign between, once if the second answer was asked for because the
-    /// first one differed, otherwise twice in a row. So it does not show which device it is: requests are sent as to a device whose
+    /// first one differed, otherwise twice in a row. This counts from the last of these answers on. So it does not show which device it is: requests are sent as to a device whose
     /// info was never received, without a question. info() stays the same meanwhile.
     bool has_varying_info() const noexcept { return unlike_ >= varies_from; }
     /// So many differences in a row, and one less for each info that equals the one before.

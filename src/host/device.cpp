@@ -118,16 +118,19 @@ void Device::forget_data() noexcept {
 // sign, the answer to a second question shows whether it varies: what waits for it waits for that answer too.
 void Device::hear_info(DeviceInfo info, bool is_announced, TimePoint now) {
     const bool varied = has_varying_info();
-    const bool has_sign = is_announced || !is_identified() || is_unacknowledged_;
+    const bool is_asked_first = identifies_ && !before_difference_;    // because of a sign, or of a pause that lasts
+    const bool has_sign = is_announced || !is_identified() || is_unacknowledged_ || is_asked_first;
     const bool differs = info_ && *known_as_ != info;
     const bool asks_again = differs && has_sign && !varied && identifies_;
-    const auto before = std::exchange(before_difference_, asks_again ? std::optional{identity_} : std::nullopt);
+    const auto before = before_difference_;
+    if (!asks_again) before_difference_.reset();
+    else if (!before_difference_) before_difference_ = identity_;
     const bool differs_again = differs && !has_sign && before;
     if (differs_again) identity_ = *before;
     if (!differs) unlike_ = std::max(unlike_ - 1, 0);
     else if (differs_again) unlike_ = std::max(unlike_, varies_from);
     else unlike_ = varied || !has_sign ? std::min(unlike_ + 1, most_unlike) : 0;
-    const bool varies = (varied || differs_again) && has_varying_info();
+    const bool varies = has_varying_info();
     if (is_announced) ++announcements_;
     if (is_announced || (info_ && *info_ != info && !varies)) forget_data();
     const bool for_command = identifies_for_command_;

@@ -461,6 +461,54 @@ TEST_F(Varying, device_info_shows_no_other_device) {
     EXPECT_EQ(acts, 1u);
 }
 
+// Its telemetry begins with the operation: there may have been a pause before.
+TEST(AnotherDevice, is_not_meant_by_a_counter_in_the_device_info_behind_a_line_that_loses_frames) {
+    for (const int reads : {0, 1, 2})
+        for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+            SCOPED_TRACE(std::to_string(reads) + " reads, seed " + std::to_string(seed));
+            FakeDevice fake;
+            fake.make_parameters(10);
+            Device device{0xDC};
+            Simulation simulation{device, fake, {.delay = 10ms, .loss = 0.05}, seed};
+            fake.instead = [&](FrameView frame) -> std::optional<std::vector<Bytes>> {
+                if (is_question_for_info(frame)) ++fake.version;
+                return std::nullopt;
+            };
+            for (int i = 0; i < reads; ++i) {
+                Parameters parameters{device};
+                parameters.read(Parameters::Values::none, simulation.now);
+                simulation.run(parameters);
+            }
+            simulation.pass(1s);
+            for (Duration at{}; at < 60s; at += 50ms) simulation.answer_later(support::frame(0xDC, 0xFF, 0x03, Bytes(7)), at);
+            std::vector<Waypoint> route;
+            for (std::uint8_t i = 0; i < 30; ++i) route.push_back({i, 113.5, 22.25, 0, 0, 0, 0, {}});
+            WaypointsPut put{device, route};
+            put.mean_present_device();
+            put.start(simulation.now);
+            simulation.run(put);
+            ASSERT_TRUE(put.end());
+            EXPECT_EQ(put.end()->ending, Ending::done) << put.end()->what;
+        }
+}
+
+// The second difference in a row without a sign shows that it varies, and no other device.
+TEST(AnotherDevice, is_not_meant_by_the_second_of_two_differences_without_a_sign) {
+    FakeDevice fake;
+    fake.make_parameters(3);
+    Device device{0xDC};
+    Simulation simulation{device, fake, {.delay = 10ms}};
+    std::vector<std::uint32_t> identities;
+    for (const std::uint16_t version : std::initializer_list<std::uint16_t>{1, 2, 3, 4}) {
+        fake.version = version;
+        Parameters parameters{device};
+        parameters.read(Parameters::Values::none, simulation.now);
+        simulation.run(parameters);
+        identities.push_back(device.identity().device);
+    }
+    EXPECT_EQ(identities, (std::vector<std::uint32_t>{0, 1, 1, 1}));
+}
+
 TEST_F(Varying, device_info_that_becomes_constant_shows_another_device_again) {
     varies = false;
     for (int i = 0; i < 3; ++i) identify();
