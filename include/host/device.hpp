@@ -97,7 +97,8 @@ enum class Taken : std::uint8_t {
 /// previous one, all such requests end as Outcome::another. Without an answer they are not sent, except:
 /// - a command that was not sent yet, or if only its acknowledgement is missing: it may be LAND;
 /// - frames of an upgrade: a loader need not answer.
-/// A missing acknowledgement does not cause the question before the first frame of a command. A device whose info was never
+/// A missing acknowledgement does not cause the question before the first frame of a command. The first frame of a command for the
+/// device that is present (Request::present_device) is sent before all questions, whatever happened before. A device whose info was never
 /// received is asked once before the first acting request of a task (Request::needs_info); its commands are not delayed, and not
 /// repeated after a sign. The latter also applies to a device with varying info (has_varying_info()).
 ///
@@ -247,6 +248,7 @@ private:
         Device& device;
     };
 
+    void enqueue(Exchange exchange);
     void identify(bool for_command);
     void hear_info(DeviceInfo info, bool is_announced, TimePoint now);
     void forget_data() noexcept;

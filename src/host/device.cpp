@@ -35,10 +35,16 @@ bool Device::ask(const Request& request, Asker& asker) {
     Exchange exchange{request, own_, address_, &asker};
     if (!exchange.is_askable() || !may_be_asked(exchange.frame())) return false;
     if (!request.identity) exchange.mean(identity_);
-    // A command does not wait for a long list to be read: it is the next frame.
-    const auto first_question = std::find_if_not(waiting_.begin(), waiting_.end(), has_priority);
-    waiting_.insert(has_priority(exchange) ? first_question : waiting_.end(), std::move(exchange));
+    enqueue(std::move(exchange));
     return true;
+}
+
+// A command does not wait for a long list to be read, nor for a question: it is the next frame.
+void Device::enqueue(Exchange exchange) {
+    const bool is_command = host::is_command(exchange);
+    const auto goes_behind = [&](const Exchange& e) { return is_command ? host::is_command(e) : has_priority(e); };
+    const auto place = has_priority(exchange) ? std::find_if_not(waiting_.begin(), waiting_.end(), goes_behind) : waiting_.end();
+    waiting_.insert(place, std::move(exchange));
 }
 
 bool Device::may_be_asked(FrameView request) const noexcept {
@@ -175,7 +181,7 @@ bool Device::is_another(const Exchange& exchange) const noexcept {
 bool Device::is_in_doubt(const Exchange& exchange, TimePoint now) const noexcept {
     const bool is_of_loader = exchange.frame().id() == id_of<"firmware">;
     if (!known_as_) return exchange.needs_info() && !is_of_loader && !is_command(exchange) && !unanswered_doubts_;
-    if (has_varying_info()) return false;
+    if (has_varying_info() || (is_command(exchange) && exchange.means_present_device())) return false;
     const bool is_first_command = is_command(exchange) && !exchange.was_sent();
     const bool was_asked = unanswered_doubts_ == doubts_ && (is_of_loader || now - unanswered_at_ <= longest_wait_before_command);
     if ((is_of_loader || is_first_command) && was_asked) return false;
@@ -212,7 +218,7 @@ void Device::identify(bool for_command) {
     question.urgent = true;
     question.patience.at_least = info_takes_;
     if (for_command) question.patience = patience_before_command();
-    waiting_.emplace_front(question, own_, address_, &identification_);
+    enqueue({question, own_, address_, &identification_});
     identifies_ = true;
     identifies_for_command_ = for_command;
 }

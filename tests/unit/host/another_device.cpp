@@ -570,20 +570,70 @@ TEST_F(Swapped, a_device_that_does_not_answer_the_info_request_gets_a_command_af
         if (frame.id() == 0xC0 && !sent_at) sent_at = simulation.now;
         return std::nullopt;
     };
-    for (const bool is_by_cid : {false, true}) {
-        SCOPED_TRACE(is_by_cid);
-        simulation.pass(5s);
-        device.link_was_down();
-        questions = 0;
-        sent_at.reset();
-        const TimePoint asked_at = simulation.now;
-        CommandCall land{device, {0, {16, 0, 2}, {}, false, is_by_cid ? "" : "LAND"}, {}, false};
-        if (is_by_cid) land.mean_present_device();
+    simulation.pass(5s);
+    device.link_was_down();
+    const TimePoint asked_at = simulation.now;
+    CommandCall land{device, {0, {16, 0, 2}, {}, false, "LAND"}, {}, false};
+    run(land);
+    ASSERT_TRUE(sent_at);
+    EXPECT_LE(*sent_at - asked_at, 600ms);
+    EXPECT_LE(questions, Device::sends_before_command);
+}
+
+// It is for the device that is present.
+TEST_F(Swapped, a_command_by_its_bytes_is_the_first_frame_after_each_sign) {
+    is_one = false;
+    const auto frames_of = [&](bool repeats) {
+        fake.heard.clear();
+        CommandCall land{device, {0, {16, 0, 2}, {}, false, ""}, {}, repeats};
+        land.mean_present_device();
         run(land);
-        ASSERT_TRUE(sent_at);
-        EXPECT_LE(*sent_at - asked_at, 600ms);
-        EXPECT_LE(questions, Device::sends_before_command);
+        EXPECT_EQ(land.end()->ending, Ending::done) << land.end()->what;
+        return fake.heard;
+    };
+    for (const bool repeats : {false, true})
+        for (const bool is_other : {false, true}) {
+            SCOPED_TRACE(std::to_string(repeats) + std::to_string(is_other));
+            fake.name = is_other ? "OTHER" : "fake";
+            device.link_was_down();
+            const auto heard = frames_of(repeats);
+            ASSERT_EQ(heard.size(), 1u);
+            EXPECT_EQ(heard[0][3], 0xC0);
+        }
+}
+
+TEST_F(Swapped, a_repeated_command_by_its_bytes_is_not_sent_to_another_device) {
+    at_id = 0xC0;
+    after = 0;
+    for (const bool down : {false, true}) {
+        other.link_was_down = down;
+        device.link_was_down();
+        CommandCall task{device, {0, {16, 0, 2}, {}, false, ""}, {}, true};
+        task.mean_present_device();
+        run(task);
+        is_left_alone(task);
+        is_swapped = false;
+        seen = 0;
+        fake.name = "fake";
+        fake.hardware = 100;
+        identify();
     }
+}
+
+TEST_F(Swapped, a_command_by_its_bytes_passes_requests_that_wait_for_the_device_info) {
+    is_one = false;
+    device.link_was_down();
+    ParameterAction save{device, Action::save};
+    CommandCall by_name{device, {0, {16, 0, 2}, {}, false, "LAND"}, {}, false};
+    CommandCall by_bytes{device, {0, {16, 0, 3}, {}, false, ""}, {}, false};
+    by_bytes.mean_present_device();
+    save.start(simulation.now);
+    by_name.start(simulation.now);
+    by_bytes.start(simulation.now);
+    const auto first = device.next_frame(simulation.now);
+    ASSERT_TRUE(first);
+    EXPECT_EQ(first->id(), 0xC0);
+    EXPECT_EQ(first->data()[2], 3);
 }
 
 TEST(AnotherDevice, is_meant_by_one_device_info_that_differs) {
