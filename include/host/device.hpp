@@ -286,9 +286,11 @@ private:
     bool waits_for_flush(Exchange& next, TimePoint now);
     Exchange::Send this_send(const Exchange& next) const noexcept;
     FrameView send(Exchanges& from, Exchanges::iterator which, TimePoint now);
+    bool is_heard_since(const Exchange& exchange) const noexcept {
+        return exchange.was_sent() && heard_at_ && *heard_at_ > exchange.first_sent();
+    }
     Evidence evidence_of(const Exchange& exchange) const {
-        return {exchange.sent(), round_trip_.smoothed(), exchange.was_sent() && heard_at_ && *heard_at_ > exchange.first_sent(),
-                exchange.unfit()};
+        return {exchange.sent(), round_trip_.smoothed(), is_heard_since(exchange), exchange.unfit()};
     }
 
     std::uint8_t address_;

@@ -29,6 +29,10 @@ struct Patience {
     Duration at_least{};               // minimum of a wait computed from round trips
     /// How late the acknowledgement may be while the device answers nothing, not even which device it is.
     Duration late{};
+    /// If frames of the device arrive, a request whose wait follows the round trips is repeated for this time at least: the answer
+    /// may be late although others are not. Beyond `repeated_for` it is repeated every `late_interval`.
+    Duration if_late{};
+    static constexpr Duration late_interval = std::chrono::milliseconds{500};
     /// A shorter wait than `wait`, used if other frames of the device arrive in the second half of it.
     std::optional<Duration> if_heard{};
 };
@@ -123,7 +127,7 @@ public:
     /// The acknowledgement may take this long, as those before did.
     void wait_at_least(Duration time) noexcept { patience_.at_least = std::max(patience_.at_least, time); }
     /// How long the send would wait for its answer.
-    Duration wait_for_answer(const RoundTrip& round_trip, const Send& send) const noexcept;
+    Duration wait_for_answer(TimePoint now, const RoundTrip& round_trip, const Send& send) const noexcept;
     /// Delays the next send by `time`; no answer can arrive in that time. False: it was delayed before.
     bool keep(TimePoint now, Duration time) noexcept;
     TimePoint kept_until() const noexcept { return kept_until_; }
@@ -147,13 +151,15 @@ public:
     bool was_sent() const noexcept { return sent_ > 0; }
     /// The frame was sent, and its wait is not over.
     bool is_on_its_way() const noexcept { return on_its_way_; }
-    /// To be called when the wait is over: the frame must be sent again. False if all sends are used.
-    bool time_out(TimePoint now) noexcept {
+    /// To be called when the wait is over: the frame must be sent again. False if all sends are used. `is_heard`: a frame of the
+    /// device was received since the first send.
+    bool time_out(TimePoint now, bool is_heard) noexcept {
         on_its_way_ = false;
         if (last_sent_ < flush_at_) return true;
         if (is_once() || !is_measured()) return sent_ < patience_.sends;
-        return sent_ < patience_.sends ||
-               now - first_sent_ - kept_for_ < (asks_often(known_) ? Patience::unknown_for : Patience::repeated_for);
+        Duration repeated_for = asks_often(known_) ? Patience::unknown_for : Patience::repeated_for;
+        if (is_heard) repeated_for = std::max(repeated_for, patience_.if_late);
+        return sent_ < patience_.sends || now - first_sent_ - kept_for_ < repeated_for;
     }
     /// A frame was received that has the form of the answer, but does not fit (Expectation::is_missed_by()). True: it was an
     /// acknowledgement, so no other answer will follow.

@@ -103,6 +103,8 @@ protected:
     /// Ends without an answer to the question for `step`. `likely` is the probable reason if other frames of the device are
     /// received, as a clause.
     void finish_silent(std::string_view step, const Evidence& evidence, TimePoint now, std::string_view likely = {});
+    /// The same for the device info, which every device should answer.
+    void finish_without_info(std::string_view step, const Evidence& evidence, TimePoint now);
     /// The same for an order, which was not acknowledged.
     void finish_unacknowledged(std::string_view order, const Evidence& evidence, TimePoint now, std::string_view likely);
     /// If a port id acknowledged an order instead of the device: a clause about it; empty: the device acknowledged it.

@@ -216,7 +216,7 @@ void Device::identify(bool for_command) {
     forget(identification_);
     Request question = question::device_info(0);
     question.urgent = true;
-    question.patience.at_least = info_takes_;
+    question.patience = {.at_least = info_takes_};
     if (for_command) question.patience = patience_before_command();
     enqueue({question, own_, address_, &identification_});
     identifies_ = true;
@@ -369,7 +369,7 @@ void Device::expire(TimePoint now) {
         if (over->is_lost_by_measure()) window_.lost(over->last().alone, round_trip_.grows());
         lost_send_ = std::max(lost_send_, over->last().number);
         if (over->acts()) not_acknowledged(*over);
-        if (!over->time_out(now)) end(sent_, over, Outcome::timeout, {}, now);
+        if (!over->time_out(now, is_heard_since(*over))) end(sent_, over, Outcome::timeout, {}, now);
     }
 }
 
@@ -487,7 +487,7 @@ bool Device::waits_for_flush(Exchange& next, TimePoint now) {
     line_is_busy_until_ = std::max(line_is_busy_until_, now + flush.busy);
     if (flush.busy > Duration::zero() || flush.later <= Duration::zero()) return false;
     const bool may_wait = next.was_sent() && !is_command(next) &&
-                          flush.later <= next.wait_for_answer(round_trip_, this_send(next));
+                          flush.later <= next.wait_for_answer(now, round_trip_, this_send(next));
     if (may_wait && next.keep(now, flush.later)) return true;
     const bool goes_on = !next.was_sent() && next.asker() == heard_asker_ && heard_send_ == sends_;
     const bool is_for_command = next.asker() == &identification_ && identifies_for_command_;

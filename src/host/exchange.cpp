@@ -29,7 +29,7 @@ void Exchange::send(TimePoint now, const RoundTrip& round_trip, const Send& send
     last_sent_ = now;
     last_ = send;
     known_ = round_trip.smoothed().has_value();
-    due_ = now + patience_.if_heard.value_or(wait_for_answer(round_trip, send));
+    due_ = now + patience_.if_heard.value_or(wait_for_answer(now, round_trip, send));
     if (now < flush_at_) due_ = std::min(due_, flush_at_);
     waits_on_ = false;
     ++sent_;
@@ -38,11 +38,12 @@ void Exchange::send(TimePoint now, const RoundTrip& round_trip, const Send& send
     passes_ = false;
 }
 
-Duration Exchange::wait_for_answer(const RoundTrip& round_trip, const Send& send) const noexcept {
+Duration Exchange::wait_for_answer(TimePoint now, const RoundTrip& round_trip, const Send& send) const noexcept {
     if (patience_.wait) return *patience_.wait;
-    const bool often = asks_often(round_trip.smoothed().has_value());
-    return std::max(patience_.at_least,
-                    often ? RoundTrip::first : round_trip.time_out_after(sent_, send.answers, send.others == 0));
+    if (asks_often(round_trip.smoothed().has_value())) return std::max(patience_.at_least, RoundTrip::first);
+    const Duration wait = std::max(patience_.at_least, round_trip.time_out_after(sent_, send.answers, send.others == 0));
+    const bool is_late = was_sent() && now - first_sent_ - kept_for_ >= Patience::repeated_for;
+    return patience_.if_late > Duration::zero() && is_late ? std::max(wait, Patience::late_interval) : wait;
 }
 
 bool Exchange::waits_on(std::optional<TimePoint> heard_at) noexcept {

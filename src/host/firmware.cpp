@@ -78,7 +78,7 @@ void Firmware::identified(const Ended& ended, TimePoint now) {
     renew_identity();
     const auto& info = device().info() ? device().info() : options_.info;
     if (!options_.force && !image_.is_for_any_hardware()) {
-        if (!info) return finish_silent(step(), ended.evidence, now, "frames to it probably do not arrive");
+        if (!info) return finish_without_info(step(), ended.evidence, now);
         if (auto misfit = image_.misfit(*info)) return finish({Ending::invalid, std::move(*misfit), {}}, now);
     }
     ask_info(Purpose::begin, options_.frame_len, now);

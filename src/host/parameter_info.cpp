@@ -168,7 +168,11 @@ Found parameter_called(std::span<const ParameterInfo> all, std::string_view word
 
 namespace question {
 
-Request device_info(std::uint32_t tag) { return parameter_command(0, 0, tag); }
+Request device_info(std::uint32_t tag) {
+    Request question = parameter_command(0, 0, tag);
+    question.patience.if_late = std::chrono::seconds{3};
+    return question;
+}
 Request parameter_count(std::uint32_t tag) { return parameter_command(1, 0, tag); }
 Request parameter_value(std::uint16_t id, std::uint32_t tag) { return parameter_command(2, id, tag); }
 Request parameter_info(std::uint16_t id, std::uint32_t tag) { return parameter_command(3, id, tag); }

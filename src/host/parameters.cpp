@@ -55,7 +55,7 @@ void Parameters::step_ended(const Ended& ended, TimePoint now) {
     const bool answered = ended.outcome == Outcome::answered;
     switch (ended.tag) {
     case ask_info:
-        if (!answered) return finish_silent("device info", ended.evidence, now, "frames to it probably do not arrive");
+        if (!answered) return finish_without_info("device info", ended.evidence, now);
         return ask(question::parameter_count(ask_count), now);
     case ask_count:
         if (!answered)

@@ -52,6 +52,11 @@ void Task::finish_silent(std::string_view step, const Evidence& evidence, TimePo
     finish_unanswered("is online, but did not answer the request for its ", step, evidence, now, likely);
 }
 
+void Task::finish_without_info(std::string_view step, const Evidence& evidence, TimePoint now) {
+    const bool answers = evidence.round_trip.has_value();
+    finish_silent(step, evidence, now, answers ? "it has answered other requests" : "frames to it may not arrive");
+}
+
 void Task::finish_unacknowledged(std::string_view order, const Evidence& evidence, TimePoint now, std::string_view likely) {
     if (evidence.unfit.empty()) return finish_unanswered("is online, but did not acknowledge: ", order, evidence, now, likely);
     finish_unanswered("acknowledged with wrong check bytes (" + spaced_hex(evidence.unfit) + "): ", order, evidence, now, {});

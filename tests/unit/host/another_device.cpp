@@ -427,6 +427,62 @@ TEST(AnotherDevice, is_not_meant_by_device_info_that_arrives_late) {
             }
 }
 
+// It answers other questions at once, so the time of its answers is known.
+TEST(AnotherDevice, device_info_of_a_device_that_is_received_may_take_3_s) {
+    for (const Duration late : {1200ms, 1800ms, 2500ms}) {
+        FakeDevice fake;
+        fake.make_parameters(10);
+        Device device{0xDC};
+        Simulation simulation{device, fake, {.delay = 10ms}};
+        Commands commands{device};
+        commands.read(simulation.now);
+        simulation.run(commands);
+        std::size_t questions = 0;
+        fake.instead = [&](FrameView frame) -> std::optional<std::vector<Bytes>> {
+            if (!is_question_for_info(frame)) return std::nullopt;
+            ++questions;
+            simulation.answer_later(fake.usual(frame).at(0), late);
+            return std::vector<Bytes>{};
+        };
+        for (Duration at{}; at < 10s; at += 100ms) simulation.answer_later(support::frame(0xDC, 0xFF, 0x03, Bytes(7)), at);
+        ParameterApply set{device, nullptr, {{"PAR_1", AnyValue{std::int64_t{5}}}}};
+        set.start(simulation.now);
+        simulation.run(set);
+        ASSERT_TRUE(set.end());
+        EXPECT_EQ(set.end()->ending, Ending::done) << set.end()->what;
+        EXPECT_LE(questions, 14u);
+    }
+}
+
+TEST(AnotherDevice, the_missing_device_info_is_reported_without_a_guess) {
+    for (const bool is_received : {false, true})
+        for (const bool answers : {false, true}) {
+            SCOPED_TRACE(std::to_string(is_received) + std::to_string(answers));
+            FakeDevice fake;
+            Device device{0xDC};
+            Simulation simulation{device, fake, {.delay = 10ms}};
+            if (answers) {
+                Commands commands{device};
+                commands.read(simulation.now);
+                simulation.run(commands);
+            }
+            fake.deaf = true;
+            const TimePoint begin = simulation.now;
+            for (Duration at{}; is_received && at < 10s; at += 100ms)
+                simulation.answer_later(support::frame(0xDC, 0xFF, 0x03, Bytes(7)), at);
+            Parameters list{device};
+            list.read_all(simulation.now);
+            simulation.run(list);
+            ASSERT_TRUE(list.end());
+            EXPECT_EQ(list.end()->ending, Ending::timeout);
+            const std::string& what = list.end()->what;
+            EXPECT_EQ(what.find("frames to it may not arrive") != std::string::npos, is_received && !answers) << what;
+            EXPECT_EQ(what.find("it has answered other requests") != std::string::npos, is_received && answers) << what;
+            const Duration took = simulation.now - begin;
+            EXPECT_LE(took, !answers ? 6200ms : is_received ? 3700ms : 1200ms);
+        }
+}
+
 // Its version is a counter.
 struct Varying : Swapped {
     Varying() {
