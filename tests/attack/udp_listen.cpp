@@ -406,8 +406,8 @@ TEST_F(Attack, a_peer_that_left_the_network_does_not_stop_what_is_sent_to_others
         Bytes sent;
         for (; frames > 0; --frames) vehicle.send_from_fc(sent = telemetry(0xDC, ++n));
         return until([&] {
-            const auto frames = split(stays->heard()).frames;
-            return std::find(frames.begin(), frames.end(), sent) != frames.end();
+            const auto received = split(stays->heard()).frames;
+            return std::find(received.begin(), received.end(), sent) != received.end();
         });
     };
     for (int i = 0; i < 100 && vehicle.gateway().count("ground", "send_failed") == 0; ++i) ASSERT_TRUE(arrives(1));
