@@ -212,7 +212,7 @@ inline constexpr Message differences[] = {
 
 inline constexpr MessageIndex differences_index = index_messages(differences);
 
-/// Messages of V8 that V7 does not have.
+/// Messages of V8 that V7 does not have. V7 uses 0xFB without DATA for something else.
 constexpr bool is_new_in_v8(std::uint8_t id) noexcept {
     switch (id) {
     case 0x31:
@@ -224,7 +224,8 @@ constexpr bool is_new_in_v8(std::uint8_t id) noexcept {
     case 0xC1:
     case 0xC2:
     case 0xE3:
-    case 0xF0: return true;
+    case 0xF0:
+    case 0xFB: return true;
     default: return false;
     }
 }

@@ -106,7 +106,7 @@ void V7Translation::up(v7::FrameView frame, ano::TimePoint now, V7Output& output
         break;
     default: break;
     }
-    if (v7::table::is_new_in_v8(frame.id()) || frame.id() == 0xFB) return drop(&V7Counters::up_no_counterpart);
+    if (v7::table::is_new_in_v8(frame.id())) return drop(&V7Counters::up_no_counterpart);
     if (data.empty()) return drop(&V7Counters::up_malformed);
     const std::uint8_t destination = v8_addresses[frame.destination()];
     if (destination == 0) return drop(&V7Counters::up_no_address);

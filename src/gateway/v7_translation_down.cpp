@@ -24,20 +24,9 @@ bool erases_firmware(std::span<const std::uint8_t> command) noexcept {
     return command.size() >= 3 && command[0] == 0x01 && command[1] == 0x20 && command[2] == 0xAA;
 }
 
-bool exists_only_in_v8(std::uint8_t id) noexcept {
-    switch (id) {
-    case 0x31:
-    case 0x35:
-    case 0xB0:
-    case 0xB1:
-    case 0xB2:
-    case 0xC2:
-    case 0xE2:
-    case 0xE3:
-    case 0xF0:
-    case 0xFB: return true;
-    default: return false;
-    }
+// 0xC0 is translated and 0xC1 is answered by the gateway. 0xE2, a description in V8, is a value in V7.
+constexpr bool has_no_counterpart(std::uint8_t id) noexcept {
+    return id == 0xE2 || (v7::table::is_new_in_v8(id) && id != 0xC0 && id != 0xC1);
 }
 
 // `size` bytes, filled with zeros behind the text.
@@ -71,7 +60,7 @@ void V7Translation::down(ano::FrameView frame, ano::TimePoint now, V7Output& out
     const std::uint8_t id = frame.id();
     const Data data = frame.data();
     if (is_of_own_sensor(id)) return drop(&V7Counters::down_own_sensor);
-    if (exists_only_in_v8(id)) return drop(&V7Counters::down_no_counterpart);
+    if (has_no_counterpart(id)) return drop(&V7Counters::down_no_counterpart);
     if (!settings_.down[id == 0xC1 ? 0xC0 : id]) return drop(&V7Counters::down_not_allowed);
     if (data.empty()) return drop(&V7Counters::down_malformed);
     const Origin origin = origin_of(frame);
