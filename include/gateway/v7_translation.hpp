@@ -55,6 +55,10 @@ struct V7Parameter {
 };
 std::vector<V7Parameter> v7_lx_parameters();
 std::vector<V7Parameter> v7_tkz_parameters();
+/// Reads a table of the user: one parameter a line, "NUMBER, NAME, SCALE, TYPE". SCALE is 1 and TYPE i32 if they are left out; TYPE
+/// f32: hosts see the value divided by SCALE. Empty lines and lines that begin with # are skipped. Returns the error with its line,
+/// or "" and the table in `rows`.
+std::string parse_v7_parameters(std::string_view text, std::vector<V7Parameter>& rows);
 
 /// Frames with these V7 ids come from the device with this V8 id.
 struct V7Source {
@@ -132,6 +136,10 @@ inline constexpr V7CounterRow v7_counters[] = {
     {"v7_down_unmatched", &V7Counters::down_unmatched, "to the device: an acknowledgement of none of its commands"},
     {"v7_down_queue_full", &V7Counters::down_queue_full, "to the device: too many requests wait for an answer"},
 };
+
+inline void add(V7Counters& sum, const V7Counters& more) noexcept {
+    for (const V7CounterRow& row : v7_counters) sum.*row.value += more.*row.value;
+}
 
 /// Where translated frames go; each is valid during the call. No call may call the translation.
 class V7Output {

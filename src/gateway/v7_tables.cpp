@@ -2,7 +2,12 @@
 
 #include <gateway/v7_translation.hpp>
 
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <set>
 #include <string>
+#include <system_error>
 #include <utility>
 
 namespace anogate {
@@ -113,6 +118,40 @@ void add_rows(std::vector<V7Parameter>& to, std::span<const NamedRow> rows) {
     for (const NamedRow& row : rows) to.push_back({row.number, row.name, row.scale});
 }
 
+constexpr std::size_t max_rows = 2000, max_name = 20;    // a name in 0xE2 has 20 bytes
+
+std::string_view trimmed(std::string_view text) noexcept {
+    constexpr std::string_view blanks = " \t\r";
+    const std::size_t first = text.find_first_not_of(blanks);
+    return first == text.npos ? std::string_view{} : text.substr(first, text.find_last_not_of(blanks) - first + 1);
+}
+
+template <class Number>
+bool read_number(std::string_view word, Number& number) noexcept {
+    const char* const end = word.data() + word.size();
+    const auto [last, error] = std::from_chars(word.data(), end, number);
+    return error == std::errc{} && last == end;
+}
+
+std::string parse_parameter(std::string_view line, V7Parameter& row) {
+    std::array<std::string_view, 4> words;
+    std::size_t count = 0;
+    for (bool more = true; more; ++count) {
+        if (count == words.size()) return "more than NUMBER, NAME, SCALE, TYPE";
+        const std::size_t comma = line.find(',');
+        more = comma != line.npos;
+        words[count] = trimmed(line.substr(0, comma));
+        if (more) line.remove_prefix(comma + 1);
+    }
+    if (!read_number(words[0], row.number)) return "NUMBER must be 0 to 65535";
+    row.name = words[1];
+    if (row.name.empty() || row.name.size() > max_name) return "NAME must have 1 to " + std::to_string(max_name) + " bytes";
+    if (count > 2 && (!read_number(words[2], row.scale) || row.scale == 0)) return "SCALE must be 1 to 4294967295";
+    if (count > 3 && words[3] != "i32" && words[3] != "f32") return "TYPE must be i32 or f32";
+    row.as_f32 = words[3] == "f32";
+    return {};
+}
+
 void add_calibration(std::vector<V7Parameter>& to) {
     for (std::size_t i = 0; i < std::size(calibration_names); ++i) {
         const bool is_of_matrix = i >= first_of_matrix && i < end_of_matrix;
@@ -123,6 +162,25 @@ void add_calibration(std::vector<V7Parameter>& to) {
 }    // namespace
 
 std::span<const V7Command> v7_commands() noexcept { return v7_command_rows; }
+
+std::string parse_v7_parameters(std::string_view text, std::vector<V7Parameter>& rows) {
+    std::set<std::uint16_t> numbers;
+    rows.clear();
+    for (std::size_t line = 1; !text.empty(); ++line) {
+        const std::size_t end = std::min(text.find('\n'), text.size());
+        const std::string_view words = trimmed(text.substr(0, end));
+        text.remove_prefix(std::min(end + 1, text.size()));
+        if (words.empty() || words.front() == '#') continue;
+        V7Parameter row;
+        std::string wrong = parse_parameter(words, row);
+        if (wrong.empty() && !numbers.insert(row.number).second)
+            wrong = "the number " + std::to_string(row.number) + " occurs twice";
+        if (wrong.empty() && rows.size() == max_rows) wrong = "more than " + std::to_string(max_rows) + " parameters";
+        if (!wrong.empty()) return "line " + std::to_string(line) + ": " + wrong;
+        rows.push_back(std::move(row));
+    }
+    return rows.empty() ? "no parameters in it" : "";
+}
 
 std::vector<V7Parameter> v7_lx_parameters() {
     std::vector<V7Parameter> all;

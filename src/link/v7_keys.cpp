@@ -29,6 +29,12 @@ std::string fault_of_v7_acceleration(const std::string& text) {
                : "'v7_acc' must be lx, flow, cmss, keep or a number above 0 such as 2048, not '" + text + "'";
 }
 
+std::string fault_of_v7_params(const std::string& text) {
+    const bool is_table = text == "none" || text == "lx" || text == "tkz" || text.starts_with('/');
+    return is_table ? std::string{}
+                    : "'v7_params' must be none, lx, tkz or the path of a file that begins with /, not '" + text + "'";
+}
+
 std::string fault_of_v7_down(const std::vector<ByteRange>& ids) {
     for (const ByteRange& range : ids)
         for (unsigned id = range.first; id <= range.last; ++id)
@@ -45,6 +51,9 @@ void check_v7(const V7LinkSettings& v7, LinkFaults& faults) {
     if (v7.is_on() && v7.device == 0)
         faults.error("v7_device",
                      "'protocol' v7 needs 'v7_device', the id under which hosts see the device: " + std::string{devices});
+    std::vector<V7Parameter> rows;
+    if (const std::string wrong = read_v7_parameters(v7.params, rows); !wrong.empty())
+        faults.error("v7_params", "the table of 'v7_params' cannot be used: " + wrong);
     if (!v7.is_on() && v7 != V7LinkSettings{}) faults.error("protocol", "the keys v7_... have no effect without 'protocol' v7");
 }
 

@@ -20,6 +20,7 @@ namespace key_rows {
 std::string fault_of_v7_device(std::uint64_t device);
 std::string fault_of_v7_sources(const std::vector<std::string>& sources);
 std::string fault_of_v7_acceleration(const std::string& text);
+std::string fault_of_v7_params(const std::string& text);
 std::string fault_of_v7_down(const std::vector<ByteRange>& ids);
 
 /// A row whose value is refused if `fault` returns an error for it.
@@ -88,9 +89,15 @@ constexpr auto v7_rows() {
             "v7_repeat", 1, 10,
             "how often a request for a parameter or waypoint is sent, every 200 ms, until it is "
             "answered; commands are never repeated"),
-        choice<own_settings, v7, &V::params>("v7_params", "none|lx|tkz",
-                                             "the table of parameters that hosts see; none: they read and write parameters by "
-                                             "number"),
+        v7_row<Settings, std::string, &V::params, fault_of_v7_params>(
+            {.name = "v7_params",
+             .form = Form::text,
+             .help =
+                 "the table of parameters that hosts see: lx, tkz, or the path of a file with a line NUMBER, NAME, SCALE, TYPE "
+                 "for each parameter; none: they read and write parameters by number",
+             .min = 1,
+             .max = max_path,
+             .stands_for = "none|lx|tkz|FILE"}),
         integer<own_settings, v7, &V::max>("v7_max", 1, 255, "maximum DATA length of a V7 frame to the device"),
     };
 }

@@ -1,5 +1,8 @@
 #include <config/values.hpp>
 #include <link/v7_settings.hpp>
+#include <sys/files/read_file.hpp>
+
+#include <system_error>
 
 namespace anogate {
 namespace {
@@ -31,6 +34,18 @@ std::optional<V7Acceleration> parse_v7_acceleration(std::string_view text) {
     return V7Acceleration{V7Acceleration::Unit::per_g, static_cast<double>(*thousandths) / 1000};
 }
 
+std::string read_v7_parameters(const std::string& params, std::vector<V7Parameter>& rows) {
+    constexpr std::size_t max_size = 256 * 1024;
+    rows.clear();
+    if (params == "lx") rows = v7_lx_parameters();
+    if (params == "tkz") rows = v7_tkz_parameters();
+    if (!params.starts_with('/')) return {};
+    std::error_code error;
+    const std::string text = read_file(params, max_size, error);
+    const std::string wrong = error ? error.message() : parse_v7_parameters(text, rows);
+    return wrong.empty() ? std::string{} : params + ": " + wrong;
+}
+
 V7Settings V7LinkSettings::translation() const {
     V7Settings made;
     made.address = device;
@@ -48,7 +63,7 @@ V7Settings V7LinkSettings::translation() const {
     }
     made.ack = ack;
     made.repeats = repeat;
-    if (params != V7Table::none) made.parameters = params == V7Table::lx ? v7_lx_parameters() : v7_tkz_parameters();
+    if (!read_v7_parameters(params, made.parameters).empty()) made.parameters.clear();    // check_v7() reports it
     made.max_data = max;
     return made;
 }

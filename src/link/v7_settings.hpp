@@ -11,8 +11,6 @@
 namespace anogate {
 
 enum class LinkProtocol : std::uint8_t { v8, v7 };
-/// The parameters that hosts see; `none`: they read and write them by number.
-enum class V7Table : std::uint8_t { none, lx, tkz };
 
 struct V7LinkSettings {
     LinkProtocol protocol = LinkProtocol::v8;
@@ -26,7 +24,7 @@ struct V7LinkSettings {
     std::vector<ByteRange> down;    // empty: V7Settings::default_down()
     V7Ack ack = V7Ack::device;
     std::uint8_t repeat = 3;
-    V7Table params = V7Table::none;
+    std::string params = "none";    // the table of parameters: none, lx, tkz, or the path of a file
     std::uint8_t max = 44;
     bool operator==(const V7LinkSettings&) const = default;
 
@@ -36,6 +34,8 @@ struct V7LinkSettings {
 
 /// "0x51:0xDE", or "0xF1-0xFA:0xDB"; std::nullopt: neither.
 std::optional<V7Source> parse_v7_source(std::string_view text);
+/// The table of `params`; none for "none". Returns the error, or "". May block on the disk.
+std::string read_v7_parameters(const std::string& params, std::vector<V7Parameter>& rows);
 /// A number above 0, or lx, flow, cmss, keep.
 std::optional<V7Acceleration> parse_v7_acceleration(std::string_view text);
 

@@ -685,5 +685,31 @@ TEST(V7Translation, allocates_only_at_construction) {
     EXPECT_GT(output.n, 100u);
 }
 
+// A table of the user (v7_params=FILE).
+TEST(V7TableFile, has_a_parameter_in_each_line) {
+    std::vector<V7Parameter> rows;
+    EXPECT_EQ(parse_v7_parameters(
+                  "# number, name, scale, type\n11, PID1_P, 1000\r\n\n 82,TAKEOFF_HEIGHT\n1000, CAL_AOFF_X, 1000, f32", rows),
+              "");
+    EXPECT_EQ(rows, (std::vector<V7Parameter>{{11, "PID1_P", 1000}, {82, "TAKEOFF_HEIGHT"}, {1000, "CAL_AOFF_X", 1000, true}}));
+}
+
+TEST(V7TableFile, names_the_line_of_an_error) {
+    std::vector<V7Parameter> rows;
+    const auto fault = [&](std::string_view text) { return parse_v7_parameters(text, rows); };
+    EXPECT_EQ(fault("1, A\nx, B\n"), "line 2: NUMBER must be 0 to 65535");
+    EXPECT_EQ(fault("65536, B"), "line 1: NUMBER must be 0 to 65535");
+    EXPECT_EQ(fault("1"), "line 1: NAME must have 1 to 20 bytes");
+    EXPECT_EQ(fault("1, 123456789012345678901"), "line 1: NAME must have 1 to 20 bytes");
+    EXPECT_EQ(fault("1, A, 0"), "line 1: SCALE must be 1 to 4294967295");
+    EXPECT_EQ(fault("1, A, 1, u8"), "line 1: TYPE must be i32 or f32");
+    EXPECT_EQ(fault("1, A, 1, i32, x"), "line 1: more than NUMBER, NAME, SCALE, TYPE");
+    EXPECT_EQ(fault("# comment\n1, A\n1, B"), "line 3: the number 1 occurs twice");
+    EXPECT_EQ(fault("\n# nothing\n"), "no parameters in it");
+    std::string many;
+    for (int i = 0; i < 2001; ++i) many += std::to_string(i) + ",P" + std::to_string(i) + "\n";
+    EXPECT_EQ(fault(many), "line 2001: more than 2000 parameters");
+}
+
 }    // namespace
 }    // namespace v7_translation_tests
