@@ -7,6 +7,10 @@ namespace anogate {
 
 constinit const LinkKind no_link_kind{};
 
+bool may_use_v7(const LinkKind& kind) noexcept {
+    return std::any_of(kind.keys.begin(), kind.keys.end(), [](const auto& key) { return key.name == "v7_device"; });
+}
+
 const LinkKind* find_link_kind(LinkKinds kinds, std::string_view name) noexcept {
     for (const LinkKind* kind : kinds)
         if (kind->name == name) return kind;

@@ -134,6 +134,9 @@ protected:
     ~LinkFaults() = default;
 };
 
+/// Whether links of this kind have the key `protocol`.
+bool may_use_v7(const LinkKind& kind) noexcept;
+
 /// nullptr: no kind has that name.
 const LinkKind* find_link_kind(LinkKinds kinds, std::string_view name) noexcept;
 

@@ -1,5 +1,6 @@
 #include <ano/hex.hpp>
 #include <gateway/hints.hpp>
+#include <gateway/v7_guess.hpp>
 #include <gateway/wrong_frames.hpp>
 
 #include <chrono>
@@ -146,11 +147,20 @@ Hint wrong_frames(const LinkFigures& link) {
     return {};
 }
 
+// The device is guessed from the last bytes; if they contain no V7 frame, it remains open.
+Hint v7_frames(const LinkFigures& link) {
+    if (!link.may_use_v7) return {"v7_frames_only", "older V7 frames (0xAA) received: switch the device to protocol V8"};
+    const std::uint8_t device = guess_v7_device(v7_ids_in(link.skipped));
+    std::string keys = device == 0 ? "protocol=v7,v7_device=ID" : v7_link_keys(device);
+    return {"v7_frames",
+            "older V7 frames (0xAA) received: add " + keys + " to this link, or switch the device to protocol V8",
+            {{"keys", keys}}};
+}
+
 // Why no frames are found, or why frames are refused.
 Hint trouble_in(const LinkFigures& link, bool with_time) {
     const ReceiveCounters& in = link.received;
-    if (link.v7_frames > 0 && link.v7_frames * 10 > in.frames_in)
-        return {"v7_frames", "older V7 frames (0xAA) received: switch the device to protocol V8"};
+    if (link.v7_frames > 0 && link.v7_frames * 10 > in.frames_in) return v7_frames(link);
     const auto garbled_time = garbled_for(link);
     const std::uint64_t refused = in.bad_check + in.bad_length + in.expired;
     const bool finds_none = in.frames_in == 0 || garbled_time;

@@ -172,6 +172,7 @@ LinkReport report_of(const Gateway& gateway, const LinkState& state, TimePoint n
     const UnassignedTraffic unassigned = state.link->unassigned_traffic();
     add(f.received, unassigned.received);
     f.v7_frames = unassigned.v7_frames;
+    f.may_use_v7 = may_use_v7(*state.link->settings().kind);
     if (unassigned.parser) add_skipped(f, *unassigned.parser);
     f.gateways = unassigned.gateways;
     f.no_place = unassigned.no_place;

@@ -252,6 +252,7 @@ private:
         f.listens = link_->settings().kind->listens;
         f.received = unassigned.received;
         f.v7_frames = unassigned.v7_frames;
+        f.may_use_v7 = may_use_v7(*link_->settings().kind);
         if (unassigned.parser) add_skipped(f, *unassigned.parser);
         f.up_for = now() - up_at_;
         for (const auto& open : channels_) {

@@ -1,5 +1,8 @@
 #include <gtest/gtest.h>
+#include <ano/hex.hpp>
+#include <anoctl/own_link.hpp>
 #include <anoctl/ports/detect_rate.hpp>
+#include <nlohmann/json.hpp>
 
 #include <sys/file.h>
 #include <sys/ioctl.h>
@@ -16,11 +19,13 @@
 #include <support/bytes.hpp>
 #include <support/pty_device.hpp>
 #include <support/temp_dir.hpp>
+#include <support/v7_vectors.hpp>
 
 namespace detect_rate_tests {
 namespace {
 
 using support::Bytes;
+using support::operator+;
 
 const Bytes euler = support::frame(0xDC, 0xFE, 0x03, {0x7B, 0, 0, 0, 0, 0, 1});
 
@@ -111,23 +116,38 @@ TEST(DetectRate, reports_data_without_valid_frames) {
         << found.wrong;
 }
 
-TEST(DetectRate, recognizes_frames_of_the_previous_version) {
-    const Bytes v7 = support::hex("AA FF 03 07 7B 00 00 00 00 00 01 2F 40");
-    const Speaker speaker{[&](std::uint32_t baud) {
-        Bytes frame{v7.begin(), v7.end() - 2};
-        std::uint8_t sum = 0, add = 0;
-        for (const std::uint8_t byte : frame)
-            add = static_cast<std::uint8_t>(add + (sum = static_cast<std::uint8_t>(sum + byte)));
-        frame.push_back(sum);
-        frame.push_back(add);
+/// Sends V7 frames with these ids at 115200 baud, and at other rates what is no frame.
+std::function<Bytes(std::uint32_t)> v7_at_115200(const Bytes& ids) {
+    return [ids](std::uint32_t baud) {
         if (baud != 115200) return garbage;
         Bytes many;
-        while (many.size() + frame.size() < garbage.size()) many.insert(many.end(), frame.begin(), frame.end());
+        while (many.size() < garbage.size())
+            for (const std::uint8_t id : ids) many = many + support::v7_frame(0xAF, id, {1, 2, 3, 4, 5, 6, 7});
         return many;
-    }};
-    const Found found = detect(speaker.path());
-    EXPECT_NE(found.wrong.find(": older V7 frames (0xAA) at 115200 baud: switch the device to protocol V8"), std::string::npos)
-        << found.wrong;
+    };
+}
+
+TEST(DetectRate, proposes_the_link_of_a_device_with_the_previous_version) {
+    struct Sender {
+        Bytes ids;
+        std::string listed, device;
+    };
+    for (const Sender& sender : {Sender{{0x03, 0x40, 0xFA}, "0x03, 0x40, 0xFA", "0xDD"},
+                                 Sender{{0x34, 0x51, 0x01}, "0x01, 0x34, 0x51", "0xDE"}, Sender{{0xF1}, "0xF1", "0x01"}}) {
+        const Speaker speaker{v7_at_115200(sender.ids)};
+        const std::string link = "serial:" + speaker.path() + ",baud=115200,protocol=v7,v7_device=" + sender.device;
+        const Found found = detect(speaker.path());
+        EXPECT_EQ(found.exit, 0) << found.wrong;
+        EXPECT_EQ(found.out,
+                  speaker.path() + ": 115200 baud: valid frames of the older protocol V7 (0xAA), messages " + sender.listed +
+                      "\nLink: " + link +
+                      "\nV7 frames have no source: v7_device is a guess from the messages. Set it to the id of your device\n");
+        EXPECT_NO_THROW(anoctl::link_settings_of(link)) << "the gateway accepts it";
+        const auto json = nlohmann::json::parse(detect(speaker.path(), true).out);
+        EXPECT_EQ(json.at("protocol"), "v7");
+        EXPECT_EQ(ano::hex_byte(json.at("v7_device").get<std::uint8_t>()), sender.device);
+        EXPECT_EQ(json.at("ids").size(), sender.ids.size());
+    }
 }
 
 TEST(DetectRate, does_not_touch_a_port_that_is_in_use) {

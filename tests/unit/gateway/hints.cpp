@@ -1,5 +1,6 @@
 #include <gateway/hints.hpp>
 #include <link/kinds.hpp>
+#include <support/v7_vectors.hpp>
 
 #include <gtest/gtest.h>
 
@@ -92,6 +93,32 @@ TEST(Hint, corrupted_frames_and_v7_frames_are_reported_above_one_in_ten) {
     EXPECT_EQ(hint(link), "many corrupted frames: check cable, ground and baud rate");
     ++link.v7_frames;
     EXPECT_EQ(hint(link), "older V7 frames (0xAA) received: switch the device to protocol V8");
+    EXPECT_EQ(find_hint(link).id, "v7_frames_only") << "a link of a kind without the key protocol";
+}
+
+TEST(Hint, for_v7_frames_proposes_the_keys_with_the_device_guessed_from_the_last_bytes) {
+    LinkFigures link = line_that_sent(0);
+    link.may_use_v7 = true;
+    link.v7_frames = 200;
+    const auto proposed = [&](const support::Bytes& skipped) {
+        link.skipped = skipped;
+        const Hint found = find_hint(link);
+        EXPECT_EQ(found.id, "v7_frames");
+        const std::string keys = std::get<std::string>(found.args.at(0).second);
+        EXPECT_EQ(found.text,
+                  "older V7 frames (0xAA) received: add " + keys + " to this link, or switch the device to protocol V8");
+        return keys;
+    };
+    using support::operator+;
+    const support::Bytes attitude = support::v7_frame(0xAF, 0x03, {1, 0, 2, 0, 3, 0, 1}), incomplete{0xAA, 0xAF, 0x51};
+    EXPECT_EQ(proposed({}), "protocol=v7,v7_device=ID");
+    EXPECT_EQ(proposed(support::Bytes{7, 1, 2} + support::v7_frame(0xFF, 0x51, {0, 1, 0, 0, 9}) + incomplete),
+              "protocol=v7,v7_device=0xDE");
+    EXPECT_EQ(proposed(attitude + support::v7_frame(0xAF, 0xFA, {8, 0})), "protocol=v7,v7_device=0xDD");
+    EXPECT_EQ(proposed(support::v7_frame(0xFF, 0x51, {0, 1, 0, 0, 9}) + support::v7_frame(0xAF, 0x40, support::Bytes(20))),
+              "protocol=v7,v7_device=0xDD");
+    EXPECT_EQ(proposed(attitude), "protocol=v7,v7_device=0xDD");
+    EXPECT_EQ(proposed(support::v7_frame(0xFF, 0xF2, {1})), "protocol=v7,v7_device=0x01");
 }
 
 TEST(Hint, frames_dropped_by_filters_and_limits_are_not_reported) {

@@ -4,6 +4,7 @@
 #include <ano/hex.hpp>
 #include <ano_json/escapes.hpp>
 #include <ano_json/frame_json.hpp>
+#include <gateway/v7_guess.hpp>
 #include <link/serial/termios.hpp>
 #include <sys/errors.hpp>
 #include <sys/unique_fd.hpp>
@@ -128,9 +129,10 @@ public:
             if (streams_.terminal) streams_.err << "anoctl: trying " << baud << std::endl;
             const HeardAtRate heard = listen(baud);
             if (interrupted_) throw Failure{"interrupted: no frames found up to " + std::to_string(baud) + " baud"};
-            if (heard.is_right()) return {baud, heard.from, terminal::driver(port_.fd()) == "cdc_acm"};
+            const bool any_rate = terminal::driver(port_.fd()) == "cdc_acm";
+            if (heard.is_right()) return {baud, heard.from, any_rate};
+            if (heard.is_right_in_v7()) return {baud, {}, any_rate, guess_v7_device(heard.v7_ids), heard.v7_ids};
             bytes_ += heard.counters.bytes_in;
-            if (heard.counters.v7_frames > 1) v7_at_ = v7_at_.value_or(baud);
         }
         throw Failure{path_ + ": " + why_not()};
     }
@@ -138,45 +140,51 @@ public:
 private:
     HeardAtRate listen(std::uint32_t baud) {
         ano::FrameParser parser{{}};
+        ano::v7::FrameParser v7{{}};
         HeardAtRate heard;
         heard.baud = baud;
         auto end = ano::Clock::now() + time_.for_first_byte;
         while (!interrupted_ && parser.counters().bytes_in < bytes_enough) {
             const auto left = std::min(parser.deadline().value_or(end), end) - ano::Clock::now();
             const bool first = parser.counters().bytes_in == 0;
-            if (read_some(parser, left) && first && parser.counters().bytes_in > 0) end = ano::Clock::now() + time_.at(baud);
+            if (read_some(parser, v7, left) && first && parser.counters().bytes_in > 0) end = ano::Clock::now() + time_.at(baud);
             parser.expire(ano::Clock::now());
-            read_frames(parser, heard);
+            v7.expire(ano::Clock::now());
+            read_frames(parser, v7, heard);
             if (heard.counters.frames_in >= 2 || ano::Clock::now() >= end) break;
         }
         parser.finish();
-        read_frames(parser, heard);
+        v7.finish();
+        read_frames(parser, v7, heard);
         return heard;
     }
 
     /// False: no data within `limit`.
-    bool read_some(ano::FrameParser& parser, Duration limit) {
+    bool read_some(ano::FrameParser& parser, ano::v7::FrameParser& v7, Duration limit) {
         std::array<pollfd, 2> fds{{{port_.fd(), POLLIN, 0}, {interruption_.fd(), POLLIN, 0}}};
         const auto ms = std::chrono::ceil<std::chrono::milliseconds>(std::max(limit, Duration{})).count();
         if (::poll(fds.data(), fds.size(), static_cast<int>(ms)) <= 0) return false;
         interrupted_ = (fds[1].revents & POLLIN) != 0;
         if (fds[0].revents == 0) return false;
-        const auto room = parser.prepare();
-        const ssize_t n = ::read(port_.fd(), room.data(), room.size());
+        const auto room = parser.prepare(), v7_room = v7.prepare();
+        const ssize_t n = ::read(port_.fd(), room.data(), std::min(room.size(), v7_room.size()));
         if (n < 0 && (errno == EAGAIN || errno == EINTR)) return false;
         if (n <= 0) throw Failure{path_ + " was unplugged"};
+        std::copy_n(room.begin(), n, v7_room.begin());
         parser.commit(static_cast<std::size_t>(n), ano::Clock::now());
+        v7.commit(static_cast<std::size_t>(n), ano::Clock::now());
         return true;
     }
-    static void read_frames(ano::FrameParser& parser, HeardAtRate& heard) {
+    static void read_frames(ano::FrameParser& parser, ano::v7::FrameParser& v7, HeardAtRate& heard) {
         while (const auto frame = parser.next()) heard.from.insert(frame->source());
+        while (const auto frame = v7.next()) heard.v7_ids.set(frame->id());
         heard.counters = parser.counters();
+        heard.v7 = v7.counters();
     }
 
     std::string why_not() const {
         if (tried_ == 0) return refusal_;
         const std::string rates = " at any of " + std::to_string(tried_) + " rates";
-        if (v7_at_) return "older V7 frames (0xAA) at " + std::to_string(*v7_at_) + " baud: switch the device to protocol V8";
         if (bytes_ > 0)
             return "data but no valid frames" + rates +
                    "; check the protocol, baud rate, parity and RX polarity (SBUS is inverted)";
@@ -195,8 +203,34 @@ private:
     std::size_t tried_ = 0;
     std::string refusal_;
     std::uint64_t bytes_ = 0;
-    std::optional<std::uint32_t> v7_at_;
 };
+
+std::string listed(const std::bitset<256>& ids) {
+    std::string text;
+    for (std::size_t id = 0; id < ids.size(); ++id)
+        if (ids[id]) text += (text.empty() ? "" : ", ") + ano::hex_byte(static_cast<std::uint8_t>(id));
+    return text;
+}
+
+void print_v7(const std::string& path, const FoundRate& found, bool json, Streams& streams) {
+    if (json) {
+        ano::Json ids = ano::Json::array();
+        for (unsigned id = 0; id < found.v7_ids.size(); ++id)
+            if (found.v7_ids[id]) ids.push_back(id);
+        const ano::Json all{
+            {"device", path},   {"baud", found.baud},           {"from", found.from}, {"any_rate", found.any_rate},
+            {"protocol", "v7"}, {"v7_device", found.v7_device}, {"ids", ids}};
+        streams.out << ano::json_text(all) << '\n';
+        return;
+    }
+    const std::string baud = std::to_string(found.baud);
+    const std::string at = found.any_rate ? " at any rate (a USB device, cdc_acm, ignores the baud rate)" : "";
+    streams.out << path << (found.any_rate ? "" : ": " + baud + " baud") << ": valid frames of the older protocol V7 (0xAA)" << at
+                << ", messages " << listed(found.v7_ids) << "\n"
+                << "Link: serial:" << path << (found.any_rate ? "" : ",baud=" + baud) << ',' << v7_link_keys(found.v7_device)
+                << '\n'
+                << "V7 frames have no source: v7_device is a guess from the messages. Set it to the id of your device\n";
+}
 
 }    // namespace
 
@@ -213,6 +247,10 @@ FoundRate find_rate(const std::string& port, Streams& streams, ListeningTime tim
 int detect_rate(const std::string& port, bool json, Streams& streams, ListeningTime time) {
     const std::string path = port.starts_with("serial:") ? port.substr(7, port.find(',') - 7) : port;
     const FoundRate found = find_rate(path, streams, time);
+    if (found.v7_device != 0) {
+        print_v7(path, found, json, streams);
+        return fine;
+    }
     if (json) {
         streams.out << ano::json_text(
                            ano::Json{{"device", path}, {"baud", found.baud}, {"from", found.from}, {"any_rate", found.any_rate}})

@@ -3,8 +3,10 @@
 #include <anoctl/anoctl.hpp>
 
 #include <ano/parser.hpp>
+#include <ano/v7.hpp>
 
 #include <algorithm>
+#include <bitset>
 #include <chrono>
 #include <cstdint>
 #include <set>
@@ -21,11 +23,16 @@ struct HeardAtRate {
     std::uint32_t baud = 0;
     ano::ParserCounters counters;
     std::set<std::uint8_t> from;    // the senders of the valid frames
+    ano::v7::ParserCounters v7;     // as frames of the previous protocol version
+    std::bitset<256> v7_ids;
 
     /// Whether the valid frames are no coincidence: at least two, or one that contains most of the bytes.
-    bool is_right() const noexcept {
-        const std::uint64_t good = counters.bytes_in - counters.skipped_bytes;
-        return counters.frames_in >= 2 || (counters.frames_in == 1 && good > counters.skipped_bytes);
+    bool is_right() const noexcept { return is_no_coincidence(counters.frames_in, counters.bytes_in, counters.skipped_bytes); }
+    bool is_right_in_v7() const noexcept { return is_no_coincidence(v7.frames_in, v7.bytes_in, v7.skipped_bytes); }
+
+private:
+    static bool is_no_coincidence(std::uint64_t frames, std::uint64_t bytes, std::uint64_t skipped) noexcept {
+        return frames >= 2 || (frames == 1 && bytes - skipped > skipped);
     }
 };
 
@@ -45,7 +52,9 @@ struct ListeningTime {
 struct FoundRate {
     std::uint32_t baud = 0;
     std::set<std::uint8_t> from;
-    bool any_rate = false;    // USB device (cdc_acm), which ignores the rate
+    bool any_rate = false;         // USB device (cdc_acm), which ignores the rate
+    std::uint8_t v7_device = 0;    // a guess, if the frames are of V7; 0: they are of V8
+    std::bitset<256> v7_ids{};
 };
 
 /// Listens at one rate after another until one is right. Sends nothing. Throws Failure if the port can't be opened, no rate is

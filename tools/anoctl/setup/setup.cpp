@@ -41,6 +41,7 @@ constexpr const char* url_of_page = "http://127.0.0.1:8088/";    // of service_c
 struct Setup {
     std::string port, file = "/etc/anogate/anogate.json";
     std::uint32_t baud = 0;
+    std::uint8_t v7_device = 0;    // 0: it uses V8
     bool yes = false;
     GatewayOptions gateway{};    // the service
 
@@ -85,12 +86,14 @@ private:
     static void ask_for(Streams& streams, const std::string& question) { streams.err << question << ' ' << std::flush; }
 
     /// Returns the baud rate; 0: the port ignores it.
-    std::uint32_t detected_rate(Streams& streams) const {
+    std::uint32_t detected_rate(Streams& streams) {
         if (!may(streams, "Listen at " + port + " to find the baud rate? This takes up to 20 s and sends nothing."))
             return rate_of_the_vendor;
         try {
             const FoundRate found = find_rate(port, streams);
-            print(streams, port + (found.any_rate ? ": any baud rate works" : ": " + std::to_string(found.baud) + " baud"));
+            print(streams, port + (found.any_rate ? ": any baud rate works" : ": " + std::to_string(found.baud) + " baud") +
+                               (found.v7_device == 0 ? "" : ", protocol V7"));
+            v7_device = found.v7_device;
             return found.any_rate ? 0 : found.baud;
         } catch (const Failure& nothing) {
             print_note(streams, nothing.what());
@@ -102,7 +105,7 @@ private:
     }
 
     bool write_config(Streams& streams) const {
-        const std::string text = service_config(port, baud);
+        const std::string text = service_config(port, baud, v7_device);
         streams.out << text;
         const bool is_there = is_file(file);
         if (!may(streams, "Write this to " + file + "?" + (is_there ? " The existing file is kept as " + file + ".old." : "")))
