@@ -26,7 +26,9 @@ StreamSession::StreamSession(const LinkContext& context)
       pacing_{context.alarms, [this] { write(); }} {}
 
 void StreamSession::translate(const V7LinkSettings& v7, const LinkSettings& link) {
-    if (v7.is_on()) v7_ = std::make_unique<V7Edge>(v7, link, context_, [this] { write(); });
+    if (v7.is_on())
+        v7_ = std::make_unique<V7Edge>(v7, link, context_,
+                                       V7Edge::Calls{[this] { write(); }, [this](ano::FrameView frame) { receive(frame); }});
 }
 
 void StreamSession::open(UniqueFd fd, Channel& channel) {

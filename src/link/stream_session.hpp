@@ -85,8 +85,10 @@ protected:
     Channel& channel() noexcept { return *channel_; }
     /// The counters of the translation, where there is one.
     void add_facts(LinkFacts& facts) const {
-        if (v7_) v7_->add_facts(facts);
+        if (v7_) add_v7_facts(facts, v7_->counters());
     }
+    /// nullptr: the devices use V8.
+    const V7Edge* translation() const noexcept { return v7_.get(); }
 
     LinkContext context_;
 

@@ -15,9 +15,9 @@ ano::v7::FrameParser::Options parser_options(const LinkSettings& link) {
 
 }    // namespace
 
-V7Edge::V7Edge(const V7LinkSettings& v7, const LinkSettings& link, const LinkContext& context, std::function<void()> write)
+V7Edge::V7Edge(const V7LinkSettings& v7, const LinkSettings& link, const LinkContext& context, Calls calls)
     : context_{context},
-      write_{std::move(write)},
+      calls_{std::move(calls)},
       translation_{v7.translation()},
       parser_{parser_options(link)},
       alarm_{context.alarms, [this] { ring(); }} {}
@@ -47,7 +47,8 @@ void V7Edge::pass_on() {
     passed_on_.swap(received_);
     for (std::span<const std::uint8_t> rest{passed_on_}; !rest.empty();) {
         const ano::FrameView frame = *ano::frame_at(rest);
-        context_.host.receive(*channel_, frame);
+        if (calls_.receive) calls_.receive(frame);
+        else context_.host.receive(*channel_, frame);
         rest = rest.subspan(frame.bytes().size());
     }
     passed_on_.clear();
@@ -119,13 +120,12 @@ void V7Edge::ring() {
     pass_on();
     set_alarm();
     context_.host.flush();
-    write_();
+    calls_.write();
 }
 
-void V7Edge::add_facts(LinkFacts& facts) const {
+void add_v7_facts(LinkFacts& facts, const V7Counters& counters) {
     facts.push_back({"protocol", "v7"});
-    for (const V7CounterRow& row : v7_counters)
-        facts.push_back({row.name, static_cast<std::int64_t>(translation_.counters().*row.value)});
+    for (const V7CounterRow& row : v7_counters) facts.push_back({row.name, static_cast<std::int64_t>(counters.*row.value)});
 }
 
 }    // namespace anogate

@@ -18,8 +18,14 @@ namespace anogate {
 
 class V7Edge final : private V7Output {
 public:
-    /// `write` is called when unsent() has bytes that no take() made: a repeated request, or the next one that waited.
-    V7Edge(const V7LinkSettings& v7, const LinkSettings& link, const LinkContext& context, std::function<void()> write);
+    struct Calls {
+        /// unsent() has bytes that no take() made: a repeated request, or the next one that waited.
+        std::function<void()> write;
+        /// A frame of the device, as V8; empty: it is passed to LinkHost::receive().
+        std::function<void(ano::FrameView)> receive{};
+    };
+
+    V7Edge(const V7LinkSettings& v7, const LinkSettings& link, const LinkContext& context, Calls calls);
 
     /// A connection begins; its frames belong to `channel`.
     void begin(Channel& channel) noexcept {
@@ -46,7 +52,7 @@ public:
     std::span<const std::uint8_t> first_unsent() const noexcept;
     void written(std::size_t bytes) { unsent_.erase(unsent_.begin(), unsent_.begin() + static_cast<std::ptrdiff_t>(bytes)); }
 
-    void add_facts(LinkFacts& facts) const;
+    const V7Counters& counters() const noexcept { return translation_.counters(); }
 
 private:
     void to_device(ano::v7::FrameView frame) override;
@@ -58,7 +64,7 @@ private:
     void reset() noexcept;
 
     LinkContext context_;
-    std::function<void()> write_;
+    Calls calls_;
     V7Translation translation_;
     ano::v7::FrameParser parser_;
     Channel* channel_ = nullptr;
@@ -68,5 +74,8 @@ private:
     std::vector<std::uint8_t> passed_on_;    // those that are being passed on
     std::uint64_t frames_ = 0;               // V8 frames passed on
 };
+
+/// The protocol and the counters, for the status.
+void add_v7_facts(LinkFacts& facts, const V7Counters& counters);
 
 }    // namespace anogate

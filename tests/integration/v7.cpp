@@ -107,6 +107,51 @@ public:
     std::size_t seen = 0;
 };
 
+/// A device whose first frame makes it a peer of a listening link: one without a counterpart in V8, so that no host gets it.
+const Bytes first_of_a_peer = v7_frame(0xFF, 0xFB, {1});
+
+class UdpListenWire final : public Wire {
+public:
+    std::string link() const override { return "udp-listen:127.0.0.1:0"; }
+    void connect(RunningGateway& gateway) override {
+        EXPECT_TRUE(gateway.until_up("fc"));
+        port = gateway.port("fc");
+        write(first_of_a_peer);
+        EXPECT_TRUE(gateway.until([&] { return gateway.link("fc").at("v7_up_no_counterpart") == 1; }));
+    }
+    void write(const Bytes& bytes) override { peer.send(port, bytes); }
+    Bytes read() override {
+        Bytes all;
+        for (const Bytes& datagram : peer.datagrams()) {
+            EXPECT_EQ(v7_frames(datagram).size(), 1u);
+            all = std::move(all) + datagram;
+        }
+        return all;
+    }
+
+    UdpPeer peer;
+    std::uint16_t port = 0;
+};
+
+class TcpListenWire final : public Wire {
+public:
+    std::string link() const override { return "tcp-listen:127.0.0.1:0"; }
+    void connect(RunningGateway& gateway) override {
+        EXPECT_TRUE(gateway.until_up("fc"));
+        peer = TcpPeer{gateway.port("fc")};
+        write(first_of_a_peer);
+        EXPECT_TRUE(gateway.until([&] { return gateway.link("fc").at("v7_up_no_counterpart") == 1; }));
+    }
+    void write(const Bytes& bytes) override { peer.send(bytes); }
+    Bytes read() override {
+        const Bytes& all = peer.heard();
+        return {all.begin() + static_cast<std::ptrdiff_t>(std::exchange(seen, all.size())), all.end()};
+    }
+
+    TcpPeer peer;
+    std::size_t seen = 0;
+};
+
 /// A host, the gateway and a device.
 class Line {
 public:
@@ -165,7 +210,7 @@ class V7Link : public testing::Test {
 protected:
     Kind wire;
 };
-using Kinds = testing::Types<SerialWire, PtyWire, UdpWire, TcpWire>;
+using Kinds = testing::Types<SerialWire, PtyWire, UdpWire, TcpWire, UdpListenWire, TcpListenWire>;
 TYPED_TEST_SUITE(V7Link, Kinds);
 
 const Bytes attitude{1, 0, 2, 0, 3, 0, 1};
@@ -277,6 +322,68 @@ TEST(V7Links, a_device_plugged_in_again_has_no_requests_of_before) {
     EXPECT_EQ(line.device_got(), Frames{v7_frame(0x60, 0xE1, {152, 0})});
     wire.write(telemetry);
     EXPECT_EQ(line.host_got(), Frames{frame(imu, 0xFF, 0x03, attitude)});
+}
+
+/// Peers of a listening link, and a host.
+struct Peers {
+    explicit Peers(const std::string& keys)
+        : gateway{settings_of_texts({"udp-listen:127.0.0.1:0" + v7_keys + keys, ground.link("ground")})} {
+        EXPECT_TRUE(gateway.until_up("fc") && gateway.until_up("ground"));
+    }
+    std::size_t channels() { return gateway.link("fc").at("channels").size(); }
+    bool until_heard(std::int64_t frames) {
+        return gateway.until([&] { return gateway.link("fc").at("v7_up") >= frames; });
+    }
+
+    UdpPeer ground;
+    RunningGateway gateway;
+};
+
+TEST(V7Listener, has_one_state_for_each_peer) {
+    Peers all{""};
+    UdpPeer a, b;
+    const std::uint16_t port = all.gateway.port("fc");
+    a.send(port, v7_frame(0xAF, 0x02, Bytes{0, 0, 0, 0, 0, 0, 100, 0, 0, 0, 0, 0, 0, 0}));
+    EXPECT_TRUE(all.until_heard(1));
+    const Bytes altitude{1, 0, 0, 0, 2, 0, 0, 0, 1};
+    b.send(port, v7_frame(0xAF, 0x05, altitude));
+    EXPECT_TRUE(all.until_heard(2));
+    a.send(port, v7_frame(0xAF, 0x05, altitude));
+    EXPECT_TRUE(all.until_heard(3));
+    Frames got;
+    EXPECT_TRUE(all.gateway.until([&] {
+        for (Bytes& frame : all.ground.frames())
+            if (frame[3] == 0x05) got.push_back(std::move(frame));
+        return got.size() == 2;
+    }));
+    EXPECT_EQ(got, (Frames{frame(imu, host, 0x05, altitude), frame(imu, host, 0x05, {100, 0, 0, 0, 2, 0, 0, 0, 1, 0, 0, 0, 1})}))
+        << "the barometer of one peer does not complete the altitude of the other";
+}
+
+TEST(V7Listener, forgets_the_state_of_a_peer_that_left_and_keeps_its_counts) {
+    Peers all{",peer_timeout=1s,max_peers=2"};
+    const std::uint16_t port = all.gateway.port("fc");
+    {
+        UdpPeer gone;
+        gone.send(port, v7_frame(0xAF, 0x03, attitude));
+        EXPECT_TRUE(all.until_heard(1));
+        EXPECT_EQ(all.channels(), 1u);
+    }
+    EXPECT_TRUE(all.gateway.until([&] { return all.channels() == 0; }));
+    EXPECT_EQ(all.gateway.link("fc").at("v7_up"), 1);
+    UdpPeer a, b, c;
+    for (UdpPeer* peer : {&a, &b, &c}) peer->send(port, v7_frame(0xAF, 0x03, attitude));
+    EXPECT_TRUE(all.until_heard(3));
+    EXPECT_LE(all.channels(), 2u) << "max_peers";
+    EXPECT_TRUE(all.gateway.counters_add_up());
+}
+
+TEST(V7Listener, accepts_no_sender_of_v8_frames) {
+    Peers all{""};
+    UdpPeer stranger;
+    stranger.send(all.gateway.port("fc"), frame(0xDC, 0xFE, 0x03, attitude));
+    EXPECT_TRUE(all.gateway.until([&] { return all.gateway.count("fc", "skipped_bytes") > 0; }));
+    EXPECT_EQ(all.channels(), 0u);
 }
 
 }    // namespace

@@ -7,6 +7,7 @@
 #include <link/tcp/tcp_session.hpp>
 #include <link/tcp/tcp_socket.hpp>
 #include <link/udp/ip_socket.hpp>
+#include <link/v7_keys.hpp>
 #include <sys/errors.hpp>
 
 #include <algorithm>
@@ -40,12 +41,15 @@ public:
           address{peer.address},
           since{link.context_.host.now()},
           is_trusted_{is_trusted},
-          link_{link} {}
+          link_{link} {
+        translate(link.settings().as<TcpListenSettings>().v7, link.settings());
+    }
 
     ConnectionPlaces::Connection facts() const { return {address, since, heard_.any(), is_trusted_}; }
     bool has_heard(std::uint8_t source) const { return heard_[source]; }
     TimePoint heard_at() const { return heard_at_; }
     using StreamSession::channel;
+    using StreamSession::translation;
     using TcpSession::not_acknowledged;
     using TcpSession::not_acknowledged_for;
 
@@ -209,6 +213,7 @@ void TcpListenLink::end(Connection& connection, const std::string& why) {
     Channel& channel = connection.channel();
     connection.close();
     connection.end_of_input();
+    if (const V7Edge* translation = connection.translation()) add(v7_of_ended_, translation->counters());
     context_.host.close_channel(channel, why);
     sweep_.set(context_.host.now());
 }
@@ -256,6 +261,11 @@ LinkFacts TcpListenLink::facts() const {
     for (const auto& one : connections_) oldest = std::max(oldest, one->not_acknowledged_for());
     if (const auto days = tls_ ? tls_->days_left() : std::nullopt) facts.push_back({"certificate_days", *days});
     if (listener_.is_open()) facts.push_back({"unacknowledged_ms", std::int64_t{oldest.count()}});
+    if (settings().as<TcpListenSettings>().v7.is_on()) {
+        V7Counters all = v7_of_ended_;
+        for (const auto& one : connections_) add(all, one->translation()->counters());
+        add_v7_facts(facts, all);
+    }
     if (handshakes_) facts.push_back({"handshakes_gave_way", static_cast<std::int64_t>(handshakes_->evicted().count)});
     return facts;
 }
@@ -295,7 +305,7 @@ namespace {
 using namespace key_rows;
 using TcpListen = TcpListenSettings;
 
-constexpr Key<LinkSettings> tcp_listen_keys[] = {
+constexpr Key<LinkSettings> own_tcp_listen_keys[] = {
     endpoint<own<TcpListen>, &TcpListen::local>("address", "local IP:PORT to listen on") | needed | key_rows::local,
     duration<own<TcpListen>, &TcpListen::dead_after>("dead_after", second, day, dead_after_help),
     integer<own<TcpListen>, &TcpListen::max_peers>("max_peers", 1, max_channels,
@@ -309,6 +319,7 @@ constexpr Key<LinkSettings> tcp_listen_keys[] = {
     networks<TcpListen, &TcpListen::trusted_any, &TcpListen::trusted>(
         "trusted", "networks for which a quarter of max_peers is reserved, or any (default: none)"),
 };
+constexpr auto tcp_listen_keys = with_v7(own_tcp_listen_keys, v7_rows<TcpListen>());
 
 constexpr Key<LinkSettings> tls_listen_keys[] = {
     endpoint<own<TcpListen>, &TcpListen::local>("address", "local IP:PORT to listen on") | needed | key_rows::local,
@@ -336,6 +347,7 @@ void validate_tcp_listener(const LinkSettings& link, LinkFaults& faults) {
         faults.error("hello",
                      "'hello' is not possible on tcp-listen, where the device connects; for a device at a known address use "
                      "tcp:HOST:PORT,hello=on");
+    check_v7(link.as<TcpListen>().v7, faults);
 }
 
 void validate_tls_listener(const LinkSettings& link, LinkFaults& faults) {

@@ -1,6 +1,7 @@
 // A listening TCP port, encrypted or not: each connection is a peer with its own channel.
 #pragma once
 #include <gateway/peers/connection_places.hpp>
+#include <gateway/v7_translation.hpp>
 #include <link/own_networks.hpp>
 #include <link/reconnect.hpp>
 #include <link/tcp/handshakes.hpp>
@@ -61,6 +62,7 @@ private:
     std::string last_fault_;    // of a failed handshake
     Refusals no_place_, no_memory_, failed_handshakes_;
     std::uint64_t outsiders_ = 0;
+    V7Counters v7_of_ended_{};    // of the connections that ended
 };
 
 }    // namespace anogate

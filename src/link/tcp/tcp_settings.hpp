@@ -41,6 +41,7 @@ struct TcpListenSettings {
     bool trusted_any = false;
     std::vector<Network> trusted;    // networks for which a quarter of the places is reserved
     LinkCertificates tls;            // of a `tls-listen` link
+    V7LinkSettings v7{};             // of every connection; not of a `tls-listen` link
     bool operator==(const TcpListenSettings&) const = default;
 };
 

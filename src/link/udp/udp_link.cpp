@@ -52,7 +52,7 @@ UdpLink::UdpLink(LinkId id, LinkSettings settings, const LinkContext& context)
       interface_watch_{context, [this](LinkError why) { fail(std::move(why)); }},
       pacing_{context.alarms, [this] { flush(*channel_); }} {
     const V7LinkSettings& v7 = this->settings().as<UdpSettings>().v7;
-    if (v7.is_on()) v7_ = std::make_unique<V7Edge>(v7, this->settings(), context_, [this] { flush(*channel_); });
+    if (v7.is_on()) v7_ = std::make_unique<V7Edge>(v7, this->settings(), context_, V7Edge::Calls{[this] { flush(*channel_); }});
 }
 
 void UdpLink::start() {
@@ -361,7 +361,7 @@ LinkError UdpLink::trouble() const { return context_.host.now() - trouble_at_ < 
 
 LinkFacts UdpLink::facts() const {
     LinkFacts facts{{"peer", settings().as<UdpSettings>().peer.text()}};
-    if (v7_) v7_->add_facts(facts);
+    if (v7_) add_v7_facts(facts, v7_->counters());
     if (!descriptor_.is_open()) return facts;
     if (!settings().as<UdpSettings>().peer.host.empty()) facts.push_back({"sends_to", endpoint_of(to_.storage).text()});
     facts.push_back({"address", local_.text()});

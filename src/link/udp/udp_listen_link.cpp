@@ -10,6 +10,7 @@
 #include <link/udp/udp_listen_link.hpp>
 #include <link/udp/udp_listen_peer.hpp>
 #include <link/udp/udp_settings.hpp>
+#include <link/v7_keys.hpp>
 #include <sys/errors.hpp>
 
 #include <algorithm>
@@ -72,7 +73,10 @@ UdpListenLink::UdpListenLink(LinkId id, LinkSettings settings, const LinkContext
       book_{book_options(this->settings().as<UdpListenSettings>())},
       random_{random_number},
       check_{random_},
-      read_reports_{[this] { return read_reports(); }} {}
+      read_reports_{[this] { return read_reports(); }} {
+    if (this->settings().as<UdpListenSettings>().v7.is_on())
+        v7_probe_.emplace(ano::v7::FrameParser::Options{std::min<std::size_t>(this->settings().max_data, ano::v7::max_len)});
+}
 
 UdpListenLink::~UdpListenLink() = default;
 
@@ -177,6 +181,12 @@ void UdpListenLink::receive(Peer& peer, std::span<const std::uint8_t> datagram, 
     peer.absent_until = {};
     if (std::exchange(peer.came, true)) book_.came(peer.channel.id);
     if (peer.far) peer.far->came(datagram.size(), now);
+    if (peer.v7) {
+        peer.v7->receive_datagram(datagram, now);
+        delivered();
+        flush_v7(peer);
+        return end_of_datagram(peer, now);
+    }
     feed_datagram(peer.channel.parser, datagram, now, [&](ano::FrameView frame) { receive(peer, frame, now); });
     delivered();
     await_rest(peer);
@@ -202,12 +212,22 @@ void UdpListenLink::receive(Peer& peer, ano::FrameView frame, TimePoint now) {
     deliver(peer.channel, peer.endpoint, frame);
 }
 
+// No question of another gateway can be among them, and none is sent to V7 devices.
+void UdpListenLink::receive_v7(Peer& peer, ano::FrameView frame) {
+    const TimePoint now = context_.host.now();
+    book_.heard(peer.channel.id, frame.source(), now);
+    if (peer.far && peer.far->heard(frame, now)) return;
+    deliver(peer.channel, peer.endpoint, frame);
+}
+
 // May remove the peer: no reference to it is in use here.
 void UdpListenLink::end_of_datagram(Peer& peer, TimePoint now) {
     if (peer.is_gateway) return forget(peer);
     if (!peer.far) return;
     if (peer.far->is_there()) {
         peer.far.reset();
+    } else if (peer.v7) {
+        return;    // an acknowledgement of a request shows that it receives
     } else if (const auto question = peer.far->question(random_, now)) {
         if (send(peer.endpoint, *question) == 0) peer.far->left(question->size());
     }
@@ -286,6 +306,7 @@ void UdpListenLink::flush(Channel& channel) {
     const auto found = std::find_if(peers_.begin(), peers_.end(), [&](const auto& p) { return &p->channel == &channel; });
     if (found == peers_.end()) return;
     Peer& peer = **found;
+    if (peer.v7) return flush_v7(peer);
     if (channel.had_host_frames) ask_suspect(peer, context_.host.now());
     DatagramSender::Path way{descriptor_.fd(), &peer.address, settings().pack ? settings().mtu : 0u, &read_reports_, SIZE_MAX};
     for (;;) {
@@ -315,6 +336,41 @@ void UdpListenLink::flush(Channel& channel) {
     }
 }
 
+// One datagram for each V7 frame. A frame is taken only when the previous one is sent.
+void UdpListenLink::flush_v7(Peer& peer) {
+    constexpr std::size_t growth = 8;    // the largest by which a frame grows: 0xC0 without values
+    Outbox& outbox = peer.channel.outbox;
+    while (write_v7(peer) && !outbox.empty()) {
+        const TimePoint now = context_.host.now();
+        const std::size_t budget = pacing_.budget(outbox, now);
+        std::span<const std::uint8_t> first;
+        if (budget == 0 || outbox.gather({&first, 1}, now, budget) == 0) return;
+        if (peer.far && peer.far->allowance(now) < first.size() + growth) return hold_back_all(outbox, now);
+        if (peer.far) peer.far->sent(ano::FrameView{first}, now);
+        peer.v7->take(outbox, ano::FrameView{first}, now);
+    }
+}
+
+// False: the rest waits.
+bool UdpListenLink::write_v7(Peer& peer) {
+    while (descriptor_.is_open() && !peer.v7->unsent().empty()) {
+        const TimePoint now = context_.host.now();
+        const auto frame = peer.v7->first_unsent();
+        const bool is_allowed = !peer.far || peer.far->allowance(now) >= frame.size();
+        const int error = is_allowed ? send(peer.endpoint, frame) : 0;
+        if (error == EAGAIN || error == ENOBUFS || error == ENOMEM) {
+            peer.channel.outbox.set_congested();
+            if (error == EAGAIN) descriptor_.when_writable([this] { flush_all(); });
+            else peer.again.set(now + no_memory_pause);
+            return false;
+        }
+        if (is_allowed && peer.far) peer.far->left(frame.size());
+        if (is_allowed) pacing_.sent(frame.size(), now);
+        peer.v7->written(frame.size());
+    }
+    return descriptor_.is_open();
+}
+
 void UdpListenLink::flush_all() {
     read_reports();    // first, so that nothing more is sent to an absent peer
     ++first_served_;
@@ -325,6 +381,11 @@ LinkFacts UdpListenLink::facts() const {
     const std::string local = descriptor_.is_open() ? local_.text() : settings().as<UdpListenSettings>().local.text();
     LinkFacts facts{{"address", local}, {"port", std::int64_t{local_port()}}};
     if (descriptor_.is_open()) facts.push_back({"kernel_drops", kernel_drops(descriptor_.fd())});
+    if (v7_probe_) {
+        V7Counters all = v7_of_gone_;
+        for (const auto& peer : peers_) add(all, peer->v7->counters());
+        add_v7_facts(facts, all);
+    }
     return facts;
 }
 
@@ -347,7 +408,7 @@ namespace {
 using namespace key_rows;
 using Listen = UdpListenSettings;
 
-constexpr Key<LinkSettings> listen_keys[] = {
+constexpr Key<LinkSettings> own_listen_keys[] = {
     endpoint<own<Listen>, &Listen::local>("address", "local IP:PORT to listen on") | needed | key_rows::local,
     text<own<Listen>, &Listen::interface>("interface", 1, max_interface, one_interface_help),
     duration<own<Listen>, &Listen::peer_timeout>(
@@ -366,6 +427,7 @@ constexpr Key<LinkSettings> listen_keys[] = {
         "networks outside the local ones whose peers are sent to at once, or any; others get at most three "
         "times what they send until they answer (default: none)"),
 };
+constexpr auto listen_keys = with_v7(own_listen_keys, v7_rows<Listen>());
 
 void validate_listener(const LinkSettings& link, LinkFaults& faults) {
     const Listen& listen = link.as<Listen>();
@@ -380,6 +442,7 @@ void validate_listener(const LinkSettings& link, LinkFaults& faults) {
                                     " peers is " + std::to_string(memory / 1'000'000) +
                                     " MB, more than 64 MB: reduce 'queue' or 'max_peers'");
     check_interface(listen.interface, listen.local, faults);
+    check_v7(listen.v7, faults);
 }
 
 Reach reach_of_listener(const LinkSettings& link) {

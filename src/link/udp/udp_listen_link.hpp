@@ -4,6 +4,7 @@
 #include <gateway/peers/listener_check.hpp>
 #include <gateway/peers/peer_book.hpp>
 #include <gateway/turn_shares.hpp>
+#include <gateway/v7_translation.hpp>
 #include <link/interface_watch.hpp>
 #include <link/link_context.hpp>
 #include <link/own_networks.hpp>
@@ -73,6 +74,10 @@ private:
     std::size_t process_next(Peer& peer, TimePoint now);
     Peer& peer_of(ChannelId channel) noexcept;
     void receive(Peer& peer, ano::FrameView frame, TimePoint now);
+    void receive_v7(Peer& peer, ano::FrameView frame);
+    void flush_v7(Peer& peer);
+    bool write_v7(Peer& peer);
+    bool has_v7_frame(std::span<const std::uint8_t> datagram);
     Peer* find(const Endpoint& endpoint) noexcept;
     Peer* admit(const Endpoint& endpoint, std::span<const std::uint8_t> datagram, TimePoint now);
     bool can_be_peer(const Endpoint& sender, TimePoint now);
@@ -107,7 +112,9 @@ private:
     TurnShares shares_;
     TimePoint turn_ends_{};    // datagrams read later wait
     Alarm next_turn_;
-    ano::FrameParser probe_;    // parses datagrams of unknown senders
+    ano::FrameParser probe_;                          // parses datagrams of unknown senders
+    std::optional<ano::v7::FrameParser> v7_probe_;    // the same with `protocol` v7
+    V7Counters v7_of_gone_{};                         // of the peers that were removed
     ReceiveCounters unassigned_;
     PeerBook book_;
     std::function<std::uint64_t()> random_;

@@ -133,6 +133,7 @@ bool UdpListenLink::allowed(const Endpoint& sender, TimePoint now) {
 
 // Sets `commands` if the datagram contains a command of a host.
 bool UdpListenLink::is_admitted(const Endpoint& sender, std::span<const std::uint8_t> datagram, TimePoint now, bool& commands) {
+    if (v7_probe_) return has_v7_frame(datagram);
     const ano::ParserCounters before = probe_.counters();
     bool found = false;
     std::uint64_t unwelcome = 0;
@@ -160,6 +161,28 @@ bool UdpListenLink::is_admitted(const Endpoint& sender, std::span<const std::uin
     return false;
 }
 
+bool UdpListenLink::has_v7_frame(std::span<const std::uint8_t> datagram) {
+    const ano::v7::ParserCounters before = v7_probe_->counters();
+    bool found = false;
+    for (auto rest = datagram; !rest.empty();) {
+        const auto room = v7_probe_->prepare();
+        const std::size_t n = std::min(room.size(), rest.size());
+        std::copy_n(rest.begin(), n, room.begin());
+        v7_probe_->commit(n, {});
+        rest = rest.subspan(n);
+        if (rest.empty()) v7_probe_->finish();
+        while (v7_probe_->next()) found = true;
+    }
+    if (found) return true;
+    const ano::v7::ParserCounters& after = v7_probe_->counters();
+    unassigned_.bytes_in += datagram.size();
+    unassigned_.skipped_bytes += after.skipped_bytes - before.skipped_bytes;
+    unassigned_.bad_check += after.bad_check - before.bad_check;
+    unassigned_.bad_length += after.bad_length - before.bad_length;
+    unassigned_.expired += after.expired - before.expired;
+    return false;
+}
+
 void UdpListenLink::forget(Peer& peer) {
     if (latest_ == &peer) latest_ = nullptr;
     Channel& channel = peer.channel;
@@ -167,6 +190,7 @@ void UdpListenLink::forget(Peer& peer) {
     waiting_.erase(channel.id);
     book_.remove(channel.id);
     check_.forget(peer.endpoint);
+    if (peer.v7) add(v7_of_gone_, peer.v7->counters());
     std::erase_if(peers_, [&](const auto& p) { return p.get() == &peer; });
     context_.host.close_channel(channel, {});
 }

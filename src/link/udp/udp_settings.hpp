@@ -22,6 +22,7 @@ struct UdpListenSettings {
     std::vector<Network> allow;    // empty without allow_any: the networks of our interfaces
     bool trusted_any = false;
     std::vector<Network> trusted;    // networks in addition to ours; sending to their peers is not limited
+    V7LinkSettings v7{};             // of every peer
     bool operator==(const UdpListenSettings&) const = default;
 };
 

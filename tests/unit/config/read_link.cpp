@@ -7,6 +7,7 @@
 #include <link/tcp/tcp_settings.hpp>
 #include <link/udp/udp_settings.hpp>
 
+#include <support/temp_dir.hpp>
 #include <unit/config/faults.hpp>
 
 namespace anogate::read_link_tests {
@@ -80,6 +81,8 @@ TEST(LinkText, has_the_keys_of_protocol_v7) {
     EXPECT_EQ(link_of("udp:192.168.1.2:6670" + keys).as<UdpSettings>().v7, serial);
     EXPECT_EQ(link_of("tcp:192.168.1.2:6670" + keys).as<TcpSettings>().v7, serial);
     EXPECT_EQ(link_of("pty:/tmp/fc" + keys).as<PtySettings>().v7, serial);
+    EXPECT_EQ(link_of("udp-listen:0.0.0.0:12333" + keys).as<UdpListenSettings>().v7, serial);
+    EXPECT_EQ(link_of("tcp-listen:0.0.0.0:12333" + keys).as<TcpListenSettings>().v7, serial);
     EXPECT_TRUE(serial.is_on());
     const V7Settings v7 = serial.translation();
     EXPECT_EQ(v7.address, 0xDD);
@@ -112,6 +115,19 @@ TEST(LinkText, with_only_the_device_of_v7_has_the_usual_settings) {
     EXPECT_FALSE(link_of("serial:/dev/ttyUSB0").as<SerialSettings>().v7.is_on());
 }
 
+TEST(LinkText, of_a_v7_device_may_name_a_file_with_its_parameters) {
+    const support::TempDir dir;
+    const std::string file = dir.write("table.csv", "11, PID1_P, 1000\n12, PID1_I, 1000\n");
+    const std::string text = "serial:/dev/ttyUSB0,protocol=v7,v7_device=0xDC,v7_params=" + file;
+    const V7Settings v7 = link_of(text).as<SerialSettings>().v7.translation();
+    EXPECT_EQ(v7.parameters, (std::vector<V7Parameter>{{11, "PID1_P", 1000}, {12, "PID1_I", 1000}}));
+    dir.write("table.csv", "11, PID1_P, 1000\n12\n");
+    EXPECT_EQ(fault_of(text), "the table of 'v7_params' cannot be used: " + file + ": line 2: NAME must have 1 to 20 bytes");
+    EXPECT_EQ(fault_of(text + "x"), "the table of 'v7_params' cannot be used: " + file + "x: No such file or directory");
+    EXPECT_EQ(fault_of("serial:/dev/ttyUSB0,protocol=v7,v7_device=0xDC,v7_params=table.csv"),
+              "'v7_params' must be none, lx, tkz or the path of a file that begins with /, not 'table.csv'");
+}
+
 TEST(LinkText, explains_wrong_keys_of_protocol_v7) {
     const auto fault = [](const std::string& keys) { return fault_of("serial:/dev/ttyUSB0," + keys); };
     EXPECT_EQ(
@@ -128,8 +144,8 @@ TEST(LinkText, explains_wrong_keys_of_protocol_v7) {
     for (const std::string id : {"0x01", "0x0F", "0x20", "0x21"})
         EXPECT_EQ(fault("protocol=v7,v7_device=0xDD,v7_down=0x40+" + id),
                   "'v7_down' must not contain " + id + ": a V7 device would take it for a measurement of its own sensor");
-    EXPECT_EQ(fault_of("udp-listen:127.0.0.1:0,protocol=v7"),
-              "'protocol' is not a key of udp-listen, but of serial, udp, tcp, pty");
+    EXPECT_EQ(fault_of("sim:fc,protocol=v7"),
+              "'protocol' is not a key of sim, but of serial, udp-listen, udp, tcp, tcp-listen, pty");
     EXPECT_EQ(
         faults_in(R"({"links": [{"kind": "tcp", "address": "10.0.0.1:5", "protocol": "v7"}]})"),
         "/links/0/v7_device: 'protocol' v7 needs 'v7_device', the id under which hosts see the device: 0xDC, 0xDD, 0xDB, 0xDE, "
@@ -341,7 +357,7 @@ TEST(LinkText, a_value_out_of_range_is_reported_with_the_range) {
               "'allow' must be any, or networks such as 192.168.0.0/24, not '10.0.0.0/33'");
     EXPECT_EQ(fault_of("sim:fc,name="), "'name' must be text of 1 to 64 bytes, not ''");
     EXPECT_EQ(fault_of("sim:fc,name=flood"), "'name' can't be 'flood', a reserved word");
-    EXPECT_EQ(fault_of("sim:plane"), "'device' must be one of fc, imu, flow, radio, car, not 'plane'");
+    EXPECT_EQ(fault_of("sim:plane"), "'device' must be one of fc, imu, flow, radio, car, lx, not 'plane'");
 }
 
 TEST(LinkText, any_cannot_be_combined_with_networks) {
