@@ -154,13 +154,15 @@ protected:
 /// The state of one link. Neither allocates nor throws after construction.
 ///
 /// Requests for data (parameters, waypoints) and writes are sent one at a time: the next is sent when the device answered or did
-/// not answer in time. Requests for data are repeated. A command (0xC0) is sent at once, exactly as often as its host sent it, so
-/// that an emergency stop waits for nothing.
+/// not answer in time. Requests for data are repeated; a write is sent again when its host repeats it. A command (0xC0) is sent at
+/// once, exactly as often as its host sent it, so that an emergency stop waits for nothing.
 class V7Translation {
 public:
     static constexpr std::size_t max_waiting = 16;
     /// An acknowledgement is accepted for this time after its request.
     static constexpr ano::Duration memory = std::chrono::milliseconds{1000};
+    /// A write that its host repeats is sent again if the last one was sent this long ago: as often as an LX MCU repeats its own.
+    static constexpr ano::Duration write_interval = std::chrono::milliseconds{50};
     /// Values of 0x02 and 0x05 that complete other frames are this young.
     static constexpr ano::Duration fresh = std::chrono::milliseconds{1000};
     /// The gateway describes a device only if it sent a frame within this time.
@@ -287,6 +289,7 @@ private:
     void ask(const Origin& origin, std::uint8_t v7_id, Data data, std::uint16_t subject, std::uint16_t index, ano::TimePoint now,
              V7Output& output);
     bool has_waiting(const Origin& origin) const noexcept;
+    bool may_be_sent_again(const Origin& origin, ano::TimePoint now) const noexcept;
     Request& queued(std::size_t i) noexcept { return queue_[(first_ + i) % queue_.size()]; }
     Request& push(const Origin& origin, std::uint8_t v7_id, Data data) noexcept;
     void remove_first() noexcept;

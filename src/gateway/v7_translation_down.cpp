@@ -390,6 +390,14 @@ bool V7Translation::has_waiting(const Origin& origin) const noexcept {
     return false;
 }
 
+// The host's repetition of the write in flight: to send it again does no harm, and the line may have lost the first.
+bool V7Translation::may_be_sent_again(const Origin& origin, ano::TimePoint now) const noexcept {
+    if (!in_flight_ || asks_for_data(queue_[first_])) return false;
+    const Origin& sent = queue_[first_].origin;
+    return sent.host == origin.host && sent.asked == origin.asked && sent.id == origin.id && sent.checks == origin.checks &&
+           now - (due_ - settings_.repeat_interval) >= write_interval;
+}
+
 V7Translation::Request& V7Translation::push(const Origin& origin, std::uint8_t v7_id, Data data) noexcept {
     Request& request = queued(size_++);
     request = {};
@@ -401,6 +409,7 @@ V7Translation::Request& V7Translation::push(const Origin& origin, std::uint8_t v
 void V7Translation::ask(const Origin& origin, std::uint8_t v7_id, Data data, std::uint16_t subject, std::uint16_t index,
                         ano::TimePoint now, V7Output& output) {
     if (data.size() > settings_.max_data) return drop(&V7Counters::down_too_big);
+    if (may_be_sent_again(origin, now)) return send_request(now, output);
     if (has_waiting(origin)) {
         ++counters_.merged;
         return;

@@ -685,6 +685,24 @@ TEST(V7Translation, allocates_only_at_construction) {
     EXPECT_GT(output.n, 100u);
 }
 
+TEST(V7Translation, a_write_that_its_host_repeats_is_sent_again_after_50_ms) {
+    V7Link link{fc};
+    const Bytes write = frame(host, fc, 0xE1, {11, 0, 5, 0, 0, 0});
+    const Frames first = link.down(write);
+    ASSERT_EQ(first.size(), 1u);
+    link.pass(49ms);
+    EXPECT_TRUE(link.down(write).empty());
+    EXPECT_EQ(link.counted().merged, 1u);
+    link.pass(1ms);
+    EXPECT_EQ(link.down(write), first);
+    link.pass(199ms);
+    ASSERT_TRUE(link.translation.deadline()) << "it waits for the answer to the second one";
+    const Bytes& sent = first[0];
+    const Bytes answer = v7_frame(0xAF, 0x00, {0xE2, sent[sent.size() - 2], sent.back()});
+    EXPECT_EQ(link.up(answer), Frames{frame(fc, host, 0x00, {0xE1, write[write.size() - 2], write.back()})});
+    EXPECT_FALSE(link.translation.deadline());
+}
+
 // A table of the user (v7_params=FILE).
 TEST(V7TableFile, has_a_parameter_in_each_line) {
     std::vector<V7Parameter> rows;
