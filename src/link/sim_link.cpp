@@ -33,6 +33,15 @@ ano::world::Faults faults_of(const SimSettings& sim) {
             .vendor_parser = sim.parser == SimParser::vendor};
 }
 
+// The translation has the table of parameters that the device knows by number.
+V7LinkSettings translation_of(const ano::world::SimulatedDevice& device) {
+    V7LinkSettings v7;
+    v7.protocol = LinkProtocol::v7;
+    v7.device = device.id();
+    v7.params = "lx";
+    return v7;
+}
+
 }    // namespace
 
 SimLink::SimLink(LinkId id, LinkSettings settings, const LinkContext& context)
@@ -57,11 +66,17 @@ void SimLink::start() {
     line_ = std::make_unique<ano::world::FaultyLine>(ano::world::make_device(sim.device, world, begin), faults_of(sim), sim.seed,
                                                      begin);
     channel_ = context_.host.open_channel(*this, sim.device);
+    if (line_->device().uses_v7()) {
+        v7_ = std::make_unique<V7Edge>(translation_of(line_->device()), settings(), context_,
+                                       V7Edge::Calls{[this] { write_v7(); }});
+        v7_->begin(*channel_);
+    }
     context_.host.link_up(*this);
     tick();
 }
 
 void SimLink::stop() {
+    if (v7_) v7_->pause();
     tick_.cancel();
     answer_.cancel();
 }
@@ -69,12 +84,14 @@ void SimLink::stop() {
 void SimLink::tick() {
     line_->run(context_.host.now(), send_);
     context_.host.flush();
+    if (v7_) write_v7();
     tick_.set(line_->due());
 }
 
 // The bytes of the device are parsed and counted as those of any other link.
 void SimLink::receive(std::span<const std::uint8_t> received) {
     channel_->arrived_at = context_.host.now();
+    if (v7_) return v7_->receive_datagram(received, channel_->arrived_at);
     feed_datagram(channel_->parser, received, channel_->arrived_at,
                   [this](ano::FrameView frame) { context_.host.receive(*channel_, frame); });
 }
@@ -84,6 +101,11 @@ void SimLink::receive(std::span<const std::uint8_t> received) {
 void SimLink::flush(Channel& channel) {
     std::array<std::span<const std::uint8_t>, 1> next;
     while (channel.outbox.gather(next, context_.host.now()) == 1) {
+        if (channel.outbox.zeros() == 0 && v7_) {
+            v7_->take(channel.outbox, ano::FrameView{next[0]}, context_.host.now());
+            write_v7();
+            continue;
+        }
         line_->take(next[0], context_.host.now(), send_later_);
         if (channel.outbox.zeros() > 0) channel.outbox.sent(next[0].size());
         else channel.outbox.sent_frame();
@@ -92,22 +114,37 @@ void SimLink::flush(Channel& channel) {
     if (tick_.is_set()) tick_.set(line_->due());    // an answer may be due later
 }
 
+void SimLink::write_v7() {
+    while (!v7_->unsent().empty()) {
+        const auto next = v7_->first_unsent();
+        const std::vector<std::uint8_t> frame{next.begin(), next.end()};
+        v7_->written(frame.size());
+        line_->take(ano::Bytes{frame}, context_.host.now(), send_later_);
+    }
+    if (!answers_.empty()) answer_.set(context_.host.now());
+    if (tick_.is_set()) tick_.set(line_->due());
+}
+
 void SimLink::answer() {
     const auto answers = std::exchange(answers_, {});    // sending them may cause new answers
     if (!tick_.is_set()) return;                         // stopped meanwhile
     receive(answers);
     context_.host.flush();
+    if (v7_) write_v7();
 }
 
 // The counts of simulated faults, if any are configured.
 LinkFacts SimLink::facts() const {
-    if (!line_ || faults_of(settings().as<SimSettings>()).is_none()) return {};
+    LinkFacts facts;
+    if (v7_) add_v7_facts(facts, v7_->counters());
+    if (!line_ || faults_of(settings().as<SimSettings>()).is_none()) return facts;
     const auto& n = line_->counters();
     const auto number = [](std::uint64_t count) { return static_cast<std::int64_t>(count); };
-    return {{"faults_lost", number(n.lost)},
-            {"faults_duplicated", number(n.doubled)},
-            {"faults_corrupted", number(n.damaged)},
-            {"faults_unheard", number(n.unheard)}};
+    facts.insert(facts.end(), {{"faults_lost", number(n.lost)},
+                               {"faults_duplicated", number(n.doubled)},
+                               {"faults_corrupted", number(n.damaged)},
+                               {"faults_unheard", number(n.unheard)}});
+    return facts;
 }
 
 namespace {

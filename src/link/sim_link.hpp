@@ -1,6 +1,7 @@
 // A simulated device inside the process, as if it were connected.
 #pragma once
 #include <link/link_context.hpp>
+#include <link/v7_edge.hpp>
 #include <sys/alarm.hpp>
 #include <world/faulty_line.hpp>
 
@@ -23,9 +24,11 @@ private:
     void tick();
     void answer();
     void receive(std::span<const std::uint8_t> received);
+    void write_v7();
 
     LinkContext context_;
     Channel* channel_ = nullptr;
+    std::unique_ptr<V7Edge> v7_;    // nullptr: the device uses V8
     std::unique_ptr<ano::world::FaultyLine> line_;
     ano::world::FaultyLine::Send send_;          // to the gateway
     ano::world::FaultyLine::Send send_later_;    // in another turn of the loop

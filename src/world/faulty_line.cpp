@@ -7,7 +7,7 @@
 namespace ano::world {
 
 FaultyLine::FaultyLine(std::unique_ptr<SimulatedDevice> device, const Faults& faults, std::uint64_t seed, TimePoint start)
-    : device_{std::move(device)}, faults_{faults}, there_{~seed}, back_{seed + 1}, start_{start} {}
+    : device_{std::move(device)}, faults_{faults}, there_{~seed}, back_{seed + 1}, start_{start}, parser_{device_->uses_v7()} {}
 
 void FaultyLine::take(Bytes bytes, TimePoint now, const Send& send) {
     run(now, send);
@@ -89,9 +89,9 @@ void FaultyLine::restart_if_due(TimePoint at) {
     device_->restart();
 }
 
-void FaultyLine::emit(FrameView frame, TimePoint at) {
+void FaultyLine::emit(Bytes frame, TimePoint at) {
     restart_if_due(at);
-    if (!is_restarting(at)) put(frame.bytes(), Direction::to_host, at, back_);
+    if (!is_restarting(at)) put(frame, Direction::to_host, at, back_);
 }
 
 // Without the vendor's parser, damaged frames are dropped and do not affect the device.
@@ -99,9 +99,9 @@ void FaultyLine::receive(Bytes bytes, TimePoint at) {
     restart_if_due(at);
     const bool is_deaf = is_restarting(at) || (faults_.deaf_after && at - start_ >= *faults_.deaf_after);
     counters_.unheard += is_deaf;
-    if (!is_deaf && faults_.vendor_parser) return parser_.feed(bytes, [&](FrameView frame) { device_->take(frame, at, emit_); });
-    const auto frame = frame_at(bytes);
-    if (!is_deaf && frame && frame->bytes().size() == bytes.size()) device_->take(*frame, at, emit_);
+    if (is_deaf) return;
+    if (faults_.vendor_parser) parser_.feed(bytes, [&](Bytes frame) { device_->receive(frame, at, emit_); });
+    else device_->receive(bytes, at, emit_);
 }
 
 }    // namespace ano::world

@@ -74,7 +74,7 @@ private:
     void arrive(const Passing& passing, TimePoint at, const Send& send);
     void wait_for_slow_device(const Passing& passing, TimePoint at);
     void receive(Bytes bytes, TimePoint at);
-    void emit(FrameView frame, TimePoint at);
+    void emit(Bytes frame, TimePoint at);
     void restart_if_due(TimePoint at);
     bool is_restarting(TimePoint at) const noexcept;
 
@@ -88,7 +88,7 @@ private:
     VendorParser parser_;
     FaultCounters counters_;
     bool has_restarted_ = false;
-    const SimulatedDevice::Send emit_ = [this](FrameView frame, TimePoint at) { emit(frame, at); };
+    const SimulatedDevice::Send emit_ = [this](Bytes frame, TimePoint at) { emit(frame, at); };
 };
 
 }    // namespace ano::world

@@ -39,6 +39,11 @@ bool Flight::lock() {
     return true;
 }
 
+void Flight::stop() {
+    is_locked_ = true;
+    task_ = Task::hover;
+}
+
 bool Flight::begin(Task task) {
     if (safety() != Safety::airborne) return false;
     task_ = task;

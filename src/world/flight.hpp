@@ -65,6 +65,8 @@ public:
     // Each returns false if the task is not possible now.
     bool unlock();
     bool lock();
+    /// Emergency stop: the motors stop at once, also in the air.
+    void stop();
     bool take_off(double height);
     bool land();
     bool hover();

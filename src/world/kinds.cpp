@@ -3,6 +3,7 @@
 #include "flight_controller.hpp"
 #include "flow_sensor.hpp"
 #include "imu.hpp"
+#include "lx_unit.hpp"
 #include "radio.hpp"
 
 namespace ano::world {
@@ -20,7 +21,8 @@ struct Row {
     Made (*make)(const Settings&, TimePoint);
 };
 constexpr Row rows[]{
-    {"fc", make<FlightController>}, {"imu", make<Imu>}, {"flow", make<FlowSensor>}, {"radio", make<Radio>}, {"car", make<Car>},
+    {"fc", make<FlightController>}, {"imu", make<Imu>}, {"flow", make<FlowSensor>},
+    {"radio", make<Radio>},         {"car", make<Car>}, {"lx", make<LxUnit>},
 };
 
 }    // namespace

@@ -44,11 +44,23 @@ void SimulatedDevice::allow_images() {
 }
 
 void SimulatedDevice::take(FrameView frame, TimePoint now, const Send& send) {
+    if (uses_v7()) return;
+    handle_at(now, send, [&] {
+        device_.take(frame, now_);
+        if (is_ours(frame)) heard(frame);
+        let_go(now_);
+    });
+}
+
+void SimulatedDevice::receive(Bytes bytes, TimePoint now, const Send& send) {
+    const auto frame = frame_at(bytes);
+    if (frame && frame->bytes().size() == bytes.size()) take(*frame, now, send);
+}
+
+void SimulatedDevice::handle_at(TimePoint now, const Send& send, const std::function<void()>& handle) {
     run(now, send);
     send_ = &send;
-    device_.take(frame, now_);
-    if (is_ours(frame)) heard(frame);
-    let_go(now_);
+    handle();
     send_ = nullptr;
 }
 
@@ -110,7 +122,7 @@ void SimulatedDevice::run_step() {
 }
 
 void SimulatedDevice::let_go(TimePoint at) {
-    while (const auto out = device_.next()) (*send_)(texts_.of(out->frame), at);
+    while (const auto out = device_.next()) (*send_)(texts_.of(out->frame).bytes(), at);
 }
 
 TimePoint SimulatedDevice::due() const noexcept {
@@ -125,7 +137,7 @@ TimePoint SimulatedDevice::due() const noexcept {
 void SimulatedDevice::emit_flexible(std::uint8_t id, std::span<const std::uint8_t> data) {
     std::array<std::uint8_t, overhead + device::max_sent> frame;
     const std::size_t size = encode(frame, device_.info().id, address::host, id, data);
-    if (size != 0) (*send_)(FrameView{std::span{frame}.first(size)}, now_);
+    if (size != 0) emit_bytes(std::span{frame}.first(size));
 }
 
 }    // namespace ano::world

@@ -34,8 +34,8 @@ struct Settings {
 
 class SimulatedDevice {
 public:
-    /// Called with a frame and the time at which it was sent: in the past if run() is called late.
-    using Send = std::function<void(FrameView, TimePoint)>;
+    /// Called with the bytes of one frame and the time at which it was sent: in the past if run() is called late.
+    using Send = std::function<void(Bytes, TimePoint)>;
     static constexpr std::chrono::milliseconds step{5};
     /// After a longer pause between calls of run(), the simulation continues from its last state without catching up.
     static constexpr std::chrono::seconds max_pause{5};
@@ -44,8 +44,12 @@ public:
     SimulatedDevice(const SimulatedDevice&) = delete;
     SimulatedDevice& operator=(const SimulatedDevice&) = delete;
 
-    /// A valid frame that arrived, to any destination.
+    /// Whether its frames are those of the previous protocol version (ano/v7.hpp).
+    virtual bool uses_v7() const noexcept { return false; }
+    /// A valid frame that arrived, to any destination. A device that uses V7 ignores it.
     void take(FrameView frame, TimePoint now, const Send& send);
+    /// Bytes that arrived together: a frame of the device's protocol, or one that was damaged.
+    virtual void receive(Bytes bytes, TimePoint now, const Send& send);
     /// Sends all frames that are due at `now`.
     void run(TimePoint now, const Send& send);
     TimePoint due() const noexcept;
@@ -53,9 +57,11 @@ public:
     void notice_pause(TimePoint now) noexcept;
 
     /// As after a power failure: the parameters get the values that were stored last.
-    void restart();
+    virtual void restart();
 
     device::Device& device() noexcept { return device_; }
+    /// Its hardware id in V8.
+    std::uint8_t id() const noexcept { return device_.info().id; }
 
 protected:
     SimulatedDevice(device::Info info, const Settings& settings, TimePoint start);
@@ -76,8 +82,12 @@ protected:
     void emit(const Draft<M, Label>& draft) {
         std::array<std::uint8_t, overhead + device::max_sent> frame;
         const std::size_t size = draft.encode(frame, device_.info().id, address::host);
-        if (size != 0) (*send_)(FrameView{std::span{frame}.first(size)}, now_);
+        if (size != 0) emit_bytes(std::span{frame}.first(size));
     }
+    /// Sends the bytes of one frame; may be called where emit() may.
+    void emit_bytes(Bytes frame) { (*send_)(frame, now_); }
+    /// Carries out what is due, then calls `handle`, which may call emit_bytes().
+    void handle_at(TimePoint now, const Send& send, const std::function<void()>& handle);
     /// Sends a flexible message.
     void emit_flexible(std::uint8_t id, std::span<const std::uint8_t> data);
 

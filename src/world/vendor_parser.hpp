@@ -2,6 +2,7 @@
 #pragma once
 #include <ano/frame.hpp>
 #include <ano/limits.hpp>
+#include <ano/v7.hpp>
 #include <ano/wire.hpp>
 
 #include <cstddef>
@@ -15,14 +16,14 @@ namespace ano::world {
 class VendorParser {
 public:
     /// A header whose LEN is above `max_data` is skipped.
-    explicit VendorParser(std::size_t max_data = vendor_max_data) : max_data_{max_data} {}
+    explicit VendorParser(bool is_v7 = false, std::size_t max_data = vendor_max_data) : is_v7_{is_v7}, max_data_{max_data} {}
 
-    /// Calls `take` with each valid frame, which is valid during the call.
+    /// Calls `take` with the bytes of each valid frame, which are valid during the call.
     template <class Take>
     void feed(Bytes bytes, const Take& take) {
         for (const std::uint8_t byte : bytes) {
             if (!ends_frame(byte)) continue;
-            if (const auto frame = frame_at(frame_)) take(*frame);
+            if (is_v7_ ? v7::frame_at(frame_).has_value() : frame_at(frame_).has_value()) take(Bytes{frame_});
             frame_.clear();
         }
     }
@@ -31,14 +32,15 @@ public:
 
 private:
     bool ends_frame(std::uint8_t byte) {
-        if (frame_.empty() && byte != head) return false;
+        if (frame_.empty() && byte != (is_v7_ ? v7::head : head)) return false;
         frame_.push_back(byte);
-        if (frame_.size() < header_size) return false;
-        const std::size_t length = load<std::uint16_t>(frame_.data() + header_size - 2);
+        if (frame_.size() < (is_v7_ ? v7::header_size : header_size)) return false;
+        const std::size_t length = is_v7_ ? frame_[v7::header_size - 1] : load<std::uint16_t>(frame_.data() + header_size - 2);
         if (length > max_data_) frame_.clear();
-        return !frame_.empty() && frame_.size() == overhead + length;
+        return !frame_.empty() && frame_.size() == (is_v7_ ? v7::overhead : overhead) + length;
     }
 
+    bool is_v7_;
     std::size_t max_data_;
     std::vector<std::uint8_t> frame_;
 };

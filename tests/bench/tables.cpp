@@ -54,8 +54,7 @@ std::vector<Flown> flights() {
     std::vector<Flown> all;
     for (ano::TimePoint now = start; now < start + flown; now += ano::world::SimulatedDevice::step)
         for (std::size_t i = 0; i < controllers.size(); ++i)
-            controllers[i]->run(now, [&](ano::FrameView frame, ano::TimePoint at) {
-                const auto bytes = frame.bytes();
+            controllers[i]->run(now, [&](ano::Bytes bytes, ano::TimePoint at) {
                 all.push_back({"s" + std::to_string(i),
                                static_cast<std::uint64_t>(std::chrono::nanoseconds{at.time_since_epoch()}.count()),
                                {bytes.begin(), bytes.end()}});

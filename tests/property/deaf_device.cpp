@@ -38,7 +38,7 @@ struct Deaf {
         fake.instead = [this](ano::FrameView frame) { return loader.take(fake, frame); };
         simulation.parse = [this](const Bytes& bytes) {
             std::vector<Bytes> frames;
-            parser.feed(bytes, [&](ano::FrameView frame) { frames.emplace_back(frame.bytes().begin(), frame.bytes().end()); });
+            parser.feed(bytes, [&](ano::Bytes frame) { frames.emplace_back(frame.begin(), frame.end()); });
             return frames;
         };
         simulation.be_uart();

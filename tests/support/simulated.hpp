@@ -85,8 +85,8 @@ struct Simulated {
     ano::TimePoint now = start;
     std::vector<Bytes> said;
     Bytes last;
-    const ano::world::SimulatedDevice::Send receive = [this](ano::FrameView f, ano::TimePoint) {
-        said.emplace_back(f.bytes().begin(), f.bytes().end());
+    const ano::world::SimulatedDevice::Send receive = [this](ano::Bytes f, ano::TimePoint) {
+        said.emplace_back(f.begin(), f.end());
     };
     Device device;
 };

@@ -53,7 +53,7 @@ private:
             ::poll(&port, 1, 10);
             if (port.revents & POLLHUP) std::this_thread::sleep_for(std::chrono::milliseconds{10});    // no program has it open
             if (disturbed_) {
-                parser_.feed(Bytes{0xAB, 0xFE, 0xDC, 0xE0, 190, 0, 1, 0, 0, 0x6E, 0x60}, [](ano::FrameView) {});
+                parser_.feed(Bytes{0xAB, 0xFE, 0xDC, 0xE0, 190, 0, 1, 0, 0, 0x6E, 0x60}, [](ano::Bytes) {});
                 disturbed_ = false;
             }
             receive(port_.read());
@@ -67,7 +67,8 @@ private:
             in_a_row_ = byte == 0 ? in_a_row_ + 1 : 0;
             zeros_ = std::max<std::size_t>(zeros_, in_a_row_);
         }
-        parser_.feed(bytes, [this](ano::FrameView heard) {
+        parser_.feed(bytes, [this](ano::Bytes frame) {
+            const ano::FrameView heard{frame};
             ++frames_;
             calls_ += heard.id() == 0xC0;
             for (const Bytes& answer : fake.take(heard)) port_.write(answer);

@@ -57,8 +57,8 @@ TEST(FaultyLine, without_faults_behaves_like_the_device_itself) {
     BadDay day{{}};
     day.run_for(2s);
     std::vector<Arrived> expected;
-    make_device("imu", {0, 50, 1}, start)->run(start + 2s, [&](ano::FrameView f, ano::TimePoint at) {
-        expected.push_back({at, {f.bytes().begin(), f.bytes().end()}});
+    make_device("imu", {0, 50, 1}, start)->run(start + 2s, [&](ano::Bytes f, ano::TimePoint at) {
+        expected.push_back({at, {f.begin(), f.end()}});
     });
     ASSERT_EQ(day.arrived.size(), expected.size());
     for (std::size_t i = 0; i < expected.size(); ++i) {
