@@ -7,6 +7,8 @@
 #include <runtime/route_rows.hpp>
 #include <status/metrics.hpp>
 
+#include <algorithm>
+#include <iterator>
 #include <set>
 
 namespace anogate {
@@ -102,6 +104,14 @@ void write_links(MetricsText& text, const MetricsSnapshot& s) {
     });
 }
 
+void write_v7(MetricsText& text, const MetricsSnapshot& s) {
+    for (const V7CounterRow& row : v7_counters) {
+        text.family("anogate_link_" + std::string{row.name}, MetricType::counter, row.help);
+        for (const auto& link : s.links)
+            if (link.v7) text.sample({{"link", link.name}}, *link.v7.*row.value);
+    }
+}
+
 void write_channels(MetricsText& text, const MetricsSnapshot& s) {
     const auto each_channel = [&](auto visit) {
         for (const auto& link : s.links)
@@ -171,6 +181,12 @@ void write_process(MetricsText& text, const ProcessFigures& process) {
     text.sample({}, process.max_fds);
 }
 
+const V7CounterRow* find_v7_counter(std::string_view name) {
+    const auto* const found = std::find_if(std::begin(v7_counters), std::end(v7_counters),
+                                           [&](const auto& row) { return row.name == name; });
+    return found == std::end(v7_counters) ? nullptr : found;
+}
+
 MetricsSnapshot::Link snapshot_of(const Gateway& gateway, const LinkState& state, TimePoint now) {
     const LinkReport report = report_of(gateway, state, now);
     const LinkSettings& settings = state.link->settings();
@@ -185,6 +201,10 @@ MetricsSnapshot::Link snapshot_of(const Gateway& gateway, const LinkState& state
         if (name == "certificate_days") link.certificate_days = std::get<std::int64_t>(value);
         else if (name == "handshakes_gave_way")
             link.evicted_handshakes = static_cast<std::uint64_t>(std::get<std::int64_t>(value));
+        else if (const V7CounterRow* row = find_v7_counter(name)) {
+            if (!link.v7) link.v7.emplace();
+            (*link.v7).*row->value = static_cast<std::uint64_t>(std::get<std::int64_t>(value));
+        }
     link.traffic = {report.figures.received, report.figures.sent, report.waiting};
     for (const ChannelId id : gateway.forwarder().traffic(state.link->id()).channels) {
         const Channel& channel = gateway.channel(id);
@@ -223,6 +243,7 @@ std::string metrics(MetricsSnapshot snapshot, MetricsForm form) {
     write_gateway(text, snapshot);
     write_state(text, snapshot);
     write_links(text, snapshot);
+    write_v7(text, snapshot);
     write_channels(text, snapshot);
     if (snapshot.tunnel) write_tunnel(text, *snapshot.tunnel);
     if (snapshot.recording) write_recording(text, *snapshot.recording);

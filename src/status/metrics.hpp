@@ -2,6 +2,7 @@
 #pragma once
 #include <ano/time.hpp>
 #include <gateway/counters.hpp>
+#include <gateway/v7_translation.hpp>
 #include <runtime/recording_figures.hpp>
 #include <status/metrics_text.hpp>
 #include <sys/process_figures.hpp>
@@ -37,6 +38,7 @@ struct MetricsSnapshot {
         std::string_view hint_id;                           // empty: none
         std::optional<std::int64_t> certificate_days;       // of a TLS link: days until its certificate expires
         std::optional<std::uint64_t> evicted_handshakes;    // of a link that listens with TLS
+        std::optional<V7Counters> v7;                       // of a link with protocol V7
         Traffic traffic;
         std::vector<Channel> channels;
     };

@@ -108,6 +108,18 @@ test("only what did not arrive is a loss: every cause of the gateway's, and noth
   assert.deepEqual(drops({ stale: 0, limited: 3, queue_full: 9, denied_in: "5" }), [["queue_full", 9], ["limited", 3]]);
 });
 
+test("frames without a counterpart in V7 are losses by cause, each counted once", () => {
+  const header = readFileSync(join(import.meta.dirname, "../../../include/gateway/v7_translation.hpp"), "utf8");
+  const rows = [...header.matchAll(/^ {4}\{"(v7_\w+)", &V7Counters::\w+, "[^"]*"(, false)?\},/gm)];
+  assert.ok(rows.length > 15);
+  const dropped = rows.filter((row) => row[2] === undefined).map((row) => row[1]!);
+  const link = Object.fromEntries(rows.map((row) => [row[1]!, 7]));
+  assert.deepEqual(drops(link).map(([name]) => name).sort(), dropped.sort());
+  for (const name of dropped) assert.ok(name in causes, `${name} has words`);
+  assert.deepEqual(drops({ denied_out: 9, v7_down_erase: 2, v7_down_own_sensor: 3, v7_up_unmatched: 1 }),
+    [["denied_out", 4], ["v7_down_own_sensor", 3], ["v7_down_erase", 2], ["v7_up_unmatched", 1]]);
+});
+
 test("frames without a receiver are counted of the links that should have one", () => {
   const fc = { name: "fc", no_route: 7, hint_id: "" }, replay = { name: "flight", no_route: 100, replayed: [] }, alone = { name: "imu", no_route: 50, stale: 1, hint_id: "no_host_takes" };
   const losses = lossesByCause([fc, replay, alone]);

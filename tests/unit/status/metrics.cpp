@@ -94,6 +94,21 @@ TEST(Metrics, has_the_state_of_links_and_of_the_gateway) {
     EXPECT_EQ(text.find("anogate_tunnel"), std::string::npos) << "there is none";
 }
 
+TEST(Metrics, has_the_counters_of_the_translation_for_v7_links) {
+    MetricsSnapshot snapshot;
+    snapshot.links = {link_called("fc"), link_called("ground")};
+    V7Counters& counters = snapshot.links[0].v7.emplace();
+    std::uint64_t value = 100;
+    for (const V7CounterRow& row : v7_counters) counters.*row.value = value++;
+    const std::string text = metrics(snapshot, MetricsForm::prometheus);
+    value = 100;
+    for (const V7CounterRow& row : v7_counters) {
+        const std::string line = "anogate_link_" + std::string{row.name} + "_total{link=\"fc\"} " + std::to_string(value++);
+        EXPECT_TRUE(has(text, line)) << line;
+    }
+    EXPECT_EQ(text.find("v7_up_total{link=\"ground\"}"), std::string::npos);
+}
+
 TEST(Metrics, has_no_series_twice_for_any_names) {
     MetricsSnapshot snapshot;
     snapshot.links = {link_called("a\xFF", {"p", "p", "p-2"}), link_called("a\xFE"), link_called("a\xEF\xBF\xBD-2")};

@@ -11,13 +11,19 @@ const losses: ReadonlySet<string> = new Set([
   "bad_check", "bad_length", "expired", "denied_in", "inhibited", "looped", "duplicate", "no_route", "over_share", "suspended",
   "superseded", "queue_full", "stale", "limited", "denied_out", "link_down", "too_big", "send_failed", "held_back",
   "kernel_drops", "refused", "transfer_errors", // of some kinds of links; wrong_source is already counted in denied_in
+  "v7_up_no_counterpart", "v7_up_no_address", "v7_up_malformed", "v7_up_unrepresentable", "v7_up_unmatched",
+  "v7_down_no_counterpart", "v7_down_own_sensor", "v7_down_erase", "v7_down_not_allowed", "v7_down_malformed", "v7_down_too_big",
+  "v7_down_unrepresentable", "v7_down_unmatched", "v7_down_queue_full", // of links with protocol V7
   "faults_lost", "faults_unheard", // simulated; faults_corrupted is counted as bad_check at the receiver
 ]);
 
-/** Names and values of the counters of dropped frames, highest first. */
+/** Names and values of the counters of dropped frames, highest first. denied_out without the frames that V7 could not carry, which have causes of their own. */
 export function drops(counters: Counters): [string, number][] {
-  return Object.entries(counters)
-    .filter((entry): entry is [string, number] => losses.has(entry[0]) && typeof entry[1] === "number" && entry[1] > 0)
+  const all = Object.entries(counters).filter((entry): entry is [string, number] => losses.has(entry[0]) && typeof entry[1] === "number");
+  const notInV7 = all.reduce((sum, [name, value]) => (name.startsWith("v7_down_") ? sum + value : sum), 0);
+  return all
+    .map(([name, value]): [string, number] => [name, name === "denied_out" ? value - notInV7 : value])
+    .filter(([, value]) => value > 0)
     .sort((a, b) => b[1] - a[1]);
 }
 
