@@ -5,6 +5,7 @@
 #include <support/process.hpp>
 #include <support/pty_device.hpp>
 #include <support/udp_peer.hpp>
+#include <support/v7_vectors.hpp>
 
 #include <gtest/gtest.h>
 
@@ -168,6 +169,25 @@ TEST(Terminal, ends_when_all_input_is_sent) {
     Shell terminal{"printf 'AT\\nAT+1\\n' | " ANOCTL " terminal fc --end lf --control " + socket};
     EXPECT_EQ(terminal.wait(), 0) << terminal.output();
     EXPECT_TRUE(wait_until([&] { return device.heard() == bytes_of("AT\nAT+1\n"); }));
+}
+
+TEST(Terminal, shows_the_v7_frames_of_a_link_in_both_directions) {
+    const TempDir dir;
+    PtyDevice device{dir / "imu"};
+    UdpPeer station;
+    const std::string socket = dir / "control.sock";
+    Daemon daemon{
+        ANOGATED, socket, {"serial:" + (dir / "imu") + ",protocol=v7,v7_device=0xDD", "udp-listen:127.0.0.1:0,name=ground"}};
+    ASSERT_TRUE(daemon.until_up("imu"));
+    Shell terminal{"sleep 100 | exec " ANOCTL " terminal imu --v7 --json --control " + socket};
+    ASSERT_TRUE(terminal.until_says("press Enter"));
+    device.write(Bytes{0x00, 0xAA} + v7_frame(0xAF, 0x03, {1, 0, 2, 0, 3, 0, 1}));
+    ASSERT_TRUE(terminal.until_says("\"direction\":\"in\""));
+    EXPECT_TRUE(terminal.until_says("\"to\":175,\"id\":3,\"name\":\"euler\"")) << terminal.output();
+    station.send(daemon.port("ground"), frame(0xFE, 0xDD, 0xC0, {0x10, 0, 1}));
+    EXPECT_TRUE(terminal.until_says("\"direction\":\"out\"")) << terminal.output();
+    EXPECT_TRUE(terminal.until_says("\"name\":\"command\"")) << terminal.output();
+    terminal.end();
 }
 
 TEST(Terminal, escapes_received_lines_sends_lines_and_releases_the_link_when_it_is_killed) {

@@ -13,6 +13,7 @@
 
 #include <support/anoctl.hpp>
 #include <support/temp_dir.hpp>
+#include <support/v7_vectors.hpp>
 #include <support/vectors.hpp>
 
 namespace tshark_tests {
@@ -20,6 +21,7 @@ namespace {
 
 using ano::Json;
 using support::anoctl;
+using support::Bytes;
 
 std::string output_of(const std::string& command) {
     std::string text;
@@ -109,6 +111,22 @@ public:
                                                      {whole.data() + ano::header_size, whole.size() - ano::overhead});
         ASSERT_NE(row, nullptr) << name_;
         prefix_ = "ano." + std::string{row->name} + ".";
+        if (!row->is_base()) prefix_ += std::string{row->variant.label} + ".";
+        for (const ano::Field& f : row->fields()) field(f, *row, expected["fields"], shown);
+        if (expected.contains("extra")) bytes(expected["extra"], shown, "ano.extra");
+    }
+    void v7_frame(const Bytes& whole, const Json& expected, const Json& shown) {
+        EXPECT_TRUE(values_of(shown, "ano.source").empty()) << name_;
+        EXPECT_EQ(number(shown, "ano.destination"), expected["to"]) << name_;
+        EXPECT_EQ(number(shown, "ano.id"), expected["id"]) << name_;
+        const ano::v7::FrameView frame{whole};
+        if (!expected.contains("fields")) {
+            bytes(expected["data"], shown, "ano.data");
+            return;
+        }
+        const ano::Message* row = ano::select_layout(ano::v7::layouts_of(frame.id()), frame.data());
+        ASSERT_NE(row, nullptr) << name_;
+        prefix_ = (ano::v7::is_same_in_v8(frame.id()) ? "ano." : "ano.v7.") + std::string{row->name} + ".";
         if (!row->is_base()) prefix_ += std::string{row->variant.label} + ".";
         for (const ano::Field& f : row->fields()) field(f, *row, expected["fields"], shown);
         if (expected.contains("extra")) bytes(expected["extra"], shown, "ano.extra");
@@ -208,6 +226,26 @@ TEST(Tshark, shows_every_golden_vector_as_anoctl_decodes_it) {
         ASSERT_TRUE(layers.contains("ano")) << vectors[i].name << "\n" << layers.dump(1);
         Comparison comparison{vectors[i].name};
         comparison.frame(expected, layers["ano"]);
+        compared += comparison.compared();
+    }
+    EXPECT_GT(compared, 2 * vectors.size());
+}
+
+TEST(Tshark, shows_the_v7_vectors_as_anoctl_decodes_them) {
+    if (!has_tshark()) GTEST_SKIP() << "tshark is not installed";
+    const support::TempDir folder;
+    std::vector<support::Vector> vectors;
+    for (const auto& vector : support::v7_vectors("valid")) vectors.push_back({vector.meaning, vector.v7, {}});
+    const Json packets = dissected(folder, anoctl({"messages", "--lua"}).out, vectors);
+    ASSERT_EQ(packets.size(), vectors.size());
+    std::size_t compared = 0;
+    for (std::size_t i = 0; i < vectors.size(); ++i) {
+        const std::string raw{vectors[i].bytes.begin(), vectors[i].bytes.end()};
+        const Json expected = Json::parse(anoctl({"decode", "--v7", "--json", "--encoding", "utf8", "-"}, raw).out);
+        const Json& layers = packets[i]["_source"]["layers"];
+        ASSERT_TRUE(layers.contains("ano")) << vectors[i].name << "\n" << layers.dump(1);
+        Comparison comparison{vectors[i].name};
+        comparison.v7_frame(vectors[i].bytes, expected, layers["ano"]);
         compared += comparison.compared();
     }
     EXPECT_GT(compared, 2 * vectors.size());

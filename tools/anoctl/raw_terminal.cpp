@@ -1,4 +1,5 @@
 // anoctl terminal LINK: shows the raw bytes of a link of the gateway in both directions, and sends typed lines.
+#include <anoctl/text/frame_printer.hpp>
 #include <anoctl/text/gateway_json.hpp>
 #include <anoctl/text/raw_text.hpp>
 #include <anoctl/text/table.hpp>
@@ -90,15 +91,26 @@ constexpr auto time_for_answers = std::chrono::milliseconds{500};    // time aft
 struct TerminalOptions {
     std::string link;
     bool hex = false, exclusive = false, json = false;
+    bool v7 = false;                          // shows frames of protocol version 7 instead of text
     std::optional<ano::Encoding> encoding;    // std::nullopt: the encoding of the link
     std::string line_end = "\r\n";
     GatewayOptions gateway;
 };
 
+FrameOptions printing(const TerminalOptions& options) {
+    FrameOptions frames;
+    frames.json = options.json;
+    frames.encoding = options.encoding;
+    return frames;
+}
+
 class RawTerminal {
 public:
     RawTerminal(const TerminalOptions& options, Streams& streams)
-        : options_{options}, streams_{streams}, text_{{options.hex, options.encoding.value_or(ano::Encoding::utf8)}} {}
+        : options_{options},
+          streams_{streams},
+          text_{{options.hex, options.encoding.value_or(ano::Encoding::utf8)}},
+          printer_{streams, printing(options)} {}
 
     int run() {
         asio::signal_set signals{io_, SIGINT, SIGTERM};
@@ -187,6 +199,7 @@ private:
         const double time = static_cast<double>(us) / 1e6;
         const char direction = message[0];
         message.remove_prefix(head);
+        if (options_.v7) return show_v7(direction == '<' ? "in" : "out", time, message);
         if (!options_.json) return show(text_.add(direction, time, message, ano::Clock::now()));
         const std::span<const std::uint8_t> bytes{reinterpret_cast<const std::uint8_t*>(message.data()), message.size()};
         streams_.out << ano::json_text(nlohmann::ordered_json{{"time", time},
@@ -194,6 +207,18 @@ private:
                                                               {"bytes", ano::hex(bytes)},
                                                               {"text", ano::to_utf8(bytes, encoding_)}})
                      << '\n';
+    }
+    void show_v7(const char* direction, double time, std::string_view bytes) {
+        ano::v7::FrameParser& parser = direction == std::string_view{"in"} ? received_ : sent_;
+        while (!bytes.empty()) {
+            const auto room = parser.prepare();
+            const std::size_t n = std::min(room.size(), bytes.size());
+            std::copy_n(bytes.begin(), n, room.begin());
+            parser.commit(n, ano::Clock::now());
+            bytes.remove_prefix(n);
+            while (const auto frame = parser.next())
+                printer_.print(*frame, {.link = options_.link, .time = time, .direction = direction});
+        }
     }
     void send(const std::string& line) {
         if (!socket_) return;
@@ -232,6 +257,8 @@ private:
     const TerminalOptions& options_;
     Streams& streams_;
     RawText text_;
+    ano::v7::FrameParser received_{{}}, sent_{{}};
+    FramePrinter printer_;
     ano::Encoding encoding_ = ano::Encoding::utf8;
     asio::io_context io_{1};
     asio::steady_timer unfinished_{io_};
@@ -253,6 +280,8 @@ Run add_terminal(Options& options) {
     const auto self = std::make_shared<TerminalOptions>();
     options.push_back({"link", &self->link, "LINK", "Name of a serial, pty or udp link of the running gateway", true});
     options.push_back({"--hex", &self->hex, "", "Show hex digits, and send lines of hex digits"});
+    options.push_back(
+        {"--v7", &self->v7, "", "Show the frames of protocol version 7 in the bytes, and nothing else", false, {"--hex"}});
     options.push_back({"--encoding", Option::Read{[self](const std::string& word) -> std::string {
                            if (word != "utf8" && word != "gbk") return ano::in_quotes(word) + " is not utf8 or gbk";
                            self->encoding = word == "gbk" ? ano::Encoding::gbk : ano::Encoding::utf8;

@@ -158,20 +158,27 @@ void FramePrinter::use(const anogate::DecodingPtr& decoding) {
     if (finds_layouts_) options_.flexible = &decoding->layouts();
 }
 
+namespace {
+
+void add(const Passage& passage, Json& json) {
+    if (passage.link.empty()) return;
+    json["time"] = passage.time;
+    json["link"] = passage.link;
+    for (const auto& [key, text] :
+         {std::pair{"peer", &passage.peer}, {"direction", &passage.direction}, {"cause", &passage.cause}})
+        if (!text->empty()) json[key] = *text;
+    if (passage.is_elsewhere) json["elsewhere"] = true;
+}
+
+}    // namespace
+
 void FramePrinter::print(FrameView frame, const Passage& passage) {
     if (finds_encoding_)
         options_.encoding = encodings_.of(frame, passage.link, passage.direction == text(anogate::Direction::in),
                                           decoding_.get());
     Json json = frame_to_json(frame, options_);
     if (json_) {
-        if (!passage.link.empty()) {
-            json["time"] = passage.time;
-            json["link"] = passage.link;
-            for (const auto& [key, text] :
-                 {std::pair{"peer", &passage.peer}, {"direction", &passage.direction}, {"cause", &passage.cause}})
-                if (!text->empty()) json[key] = *text;
-            if (passage.is_elsewhere) json["elsewhere"] = true;
-        }
+        add(passage, json);
         streams_.out << ano::json_text(json) << '\n';
         return;
     }
@@ -190,13 +197,15 @@ void FramePrinter::print(FrameView frame, const Passage& passage) {
     streams_.out << (passage.link.empty() ? line.str() : cut_line(line.str(), streams_.width)) << '\n';
 }
 
-void FramePrinter::print(v7::FrameView frame) {
-    const Json json = v7_frame_to_json(frame, options_);
+void FramePrinter::print(v7::FrameView frame, const Passage& passage) {
+    Json json = v7_frame_to_json(frame, options_);
     if (json_) {
+        add(passage, json);
         streams_.out << ano::json_text(json) << '\n';
         return;
     }
     const Reading reading = v7::read(frame, &layouts());
+    if (!passage.link.empty()) print(passage, streams_.out);
     if (!streams_.terminal) {
         streams_.out << hex_byte(frame.destination()) << ' ';
         return plain(reading, json, false);

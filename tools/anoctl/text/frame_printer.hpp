@@ -47,7 +47,7 @@ public:
 
     /// Prints one line.
     void print(ano::FrameView frame, const Passage& passage = {});
-    void print(ano::v7::FrameView frame);
+    void print(ano::v7::FrameView frame, const Passage& passage = {});
     /// The following frames are decoded with `decoding`, except for values given by the options.
     void use(const anogate::DecodingPtr& decoding);
     const ano::FlexibleLayouts& layouts() const noexcept { return *options_.flexible; }

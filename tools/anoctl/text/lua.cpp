@@ -2,6 +2,7 @@
 #include "reference.hpp"
 
 #include <ano/messages.hpp>
+#include <ano/v7.hpp>
 #include <ano_json/text.hpp>
 
 #include <ostream>
@@ -14,12 +15,13 @@ namespace {
 using namespace ano;
 
 constexpr const char* head_text =
-    R"lua(-- A Wireshark dissector for ANO V8 frames: over UDP, and in recordings (LINKTYPE_USER0). Made by `anoctl messages --lua`.
+    R"lua(-- A Wireshark dissector for ANO V8 and V7 frames: over UDP, and in recordings (LINKTYPE_USER0). Made by `anoctl messages --lua`.
 -- Use: tshark -X lua_script:FILE, or copy it to Wireshark's folder of personal Lua plugins.
 
 local ano = Proto("ano", "ANO V8")
 
 -- Every layout: id, name, title, exact length (0: any), size of the fixed part, source (flexible messages), fields.
+-- v7: only in frames of V7 (0xAA).
 -- by_look: taken where the base layout reads as nonsense and this one does not.
 -- A field: name, filter name, type, count (0: to the end), offset, wire and value of the scale, and what else it has.
 local rows = {
@@ -62,12 +64,16 @@ local function declare(f)
     all_fields[#all_fields + 1] = f.proto
 end
 
-local by_id = {}
+local by_id, by_id_in_v7 = {}, {}
 for _, row in ipairs(rows) do
     for _, f in ipairs(row.fields) do declare(f) end
     for _, f in ipairs(row.element or {}) do declare(f) end
-    by_id[row.id] = by_id[row.id] or {}
-    table.insert(by_id[row.id], row)
+    local all = row.v7 and by_id_in_v7 or by_id
+    all[row.id] = all[row.id] or {}
+    table.insert(all[row.id], row)
+end
+for id, layouts in pairs(by_id) do
+    if not by_id_in_v7[id] and not new_in_v8[id] then by_id_in_v7[id] = layouts end
 end
 ano.fields = all_fields
 ano.experts = {malformed, unknown}
@@ -152,12 +158,12 @@ local function plausible(row, data, length)
     return not (min and max and min > max)
 end
 
-local function fits(row, source, data, length)
+local function fits(row, base, source, data, length)
     if row.source and row.source ~= source then return false end
-    local is_base = row == by_id[row.id][1]
+    local is_base = row == base
     if row.length ~= 0 and (is_base and length > row.length or not is_base and length ~= row.length) then return false end
     if row.exact and length > row.size then return false end
-    if row.by_look and plausible(by_id[row.id][1], data, length) then return false end
+    if row.by_look and plausible(base, data, length) then return false end
     if row.by_look and not plausible(row, data, length) then return false end
     for _, f in ipairs(row.fields) do
         if f.first then
@@ -170,12 +176,11 @@ local function fits(row, source, data, length)
 end
 
 -- The base layout stands first and is asked last.
-local function select(id, source, data, length)
-    local layouts = by_id[id] or {}
+local function select(layouts, source, data, length)
     for i = 2, #layouts do
-        if fits(layouts[i], source, data, length) then return layouts[i] end
+        if fits(layouts[i], layouts[1], source, data, length) then return layouts[i] end
     end
-    if layouts[1] and fits(layouts[1], source, data, length) then return layouts[1] end
+    if layouts[1] and fits(layouts[1], layouts[1], source, data, length) then return layouts[1] end
 end
 
 local function behind(row, length)
@@ -185,17 +190,22 @@ local function behind(row, length)
 end
 
 local function dissect_frame(frame, pinfo, tree, inside)
-    local id, length = frame(3, 1):uint(), frame(4, 2):le_uint()
-    local layouts = by_id[id]
+    -- V7 has no source and a LEN of one byte.
+    local v7 = frame(0, 1):uint() == 0xAA
+    local to, id_at, begin = v7 and 1 or 2, v7 and 2 or 3, v7 and 4 or 6
+    local source = not v7 and frame(1, 1):uint() or nil
+    local id, length = frame(id_at, 1):uint(), v7 and frame(3, 1):uint() or frame(4, 2):le_uint()
+    local layouts = (v7 and by_id_in_v7 or by_id)[id]
     local name = layouts and layouts[1].name or string.format("0x%02X", id)
-    local item = tree:add(ano, frame, string.format("ANO V8 %s, 0x%02X to 0x%02X", name, frame(1, 1):uint(), frame(2, 1):uint()))
-    item:add(header.source, frame(1, 1))
-    item:add(header.destination, frame(2, 1))
-    item:add(header.id, frame(3, 1))
-    if layouts then item:add(header.name, frame(3, 1), name) end
-    item:add_le(header.length, frame(4, 2))
-    local data = length > 0 and frame(6, length):tvb() or nil
-    local row = select(id, frame(1, 1):uint(), data, length)
+    local item = tree:add(ano, frame, v7 and string.format("ANO V7 %s, to 0x%02X", name, frame(to, 1):uint())
+                                      or string.format("ANO V8 %s, 0x%02X to 0x%02X", name, source, frame(to, 1):uint()))
+    if source then item:add(header.source, frame(1, 1)) end
+    item:add(header.destination, frame(to, 1))
+    item:add(header.id, frame(id_at, 1))
+    if layouts then item:add(header.name, frame(id_at, 1), name) end
+    if v7 then item:add(header.length, frame(3, 1)) else item:add_le(header.length, frame(4, 2)) end
+    local data = length > 0 and frame(begin, length):tvb() or nil
+    local row = select(layouts or {}, source, data, length)
     -- A tunnel frame inside a tunnel frame is data: it is never unwrapped.
     local sealed = inside and row and #row.fields > 0 and row.fields[#row.fields].type == "frames"
     if row and #row.fields > 0 and length >= row.size and not sealed then
@@ -206,21 +216,23 @@ local function dissect_frame(frame, pinfo, tree, inside)
                 add_field(item, row, f, whole, pinfo)
             end
         end
-        if extra > 0 then item:add(header.extra, frame(6 + length - extra, extra)) end
+        if extra > 0 then item:add(header.extra, frame(begin + length - extra, extra)) end
     else
-        if length > 0 then item:add(header.data, frame(6, length)) end
+        if length > 0 then item:add(header.data, frame(begin, length)) end
         if row and length < row.size then item:add_proto_expert_info(malformed) end
         if not row and layouts then item:add_proto_expert_info(unknown, "unknown layout, LEN " .. length) end
     end
-    item:add(header.sum, frame(6 + length, 1))
-    item:add(header.add, frame(7 + length, 1))
+    item:add(header.sum, frame(begin + length, 1))
+    item:add(header.add, frame(begin + 1 + length, 1))
     return name
 end
 
 -- The length of the whole frame at `at` of the bytes `raw`, if both checks hold.
 local function frame_length(raw, at)
-    if #raw - at < 8 or raw:byte(at + 1) ~= 0xAB then return end
-    local length = raw:byte(at + 5) + 256 * raw:byte(at + 6) + 8
+    local head, length = raw:byte(at + 1), nil
+    if head == 0xAB and #raw - at >= 8 then length = raw:byte(at + 5) + 256 * raw:byte(at + 6) + 8
+    elseif head == 0xAA and #raw - at >= 6 then length = raw:byte(at + 4) + 6
+    else return end
     if at + length > #raw then return end
     local sum, add = 0, 0
     for i = at + 1, at + length - 2 do
@@ -250,7 +262,7 @@ end
 
 function ano.dissector(tvb, pinfo, tree)
     if tvb:len() == 0 then return 0 end
-    pinfo.cols.protocol = "ANO V8"
+    pinfo.cols.protocol = tvb(0, 1):uint() == 0xAA and "ANO V7" or "ANO V8"
     pinfo.cols.info = table.concat(dissect_frames(tvb(), pinfo, tree, false), ", ")
     return tvb:len()
 end
@@ -311,12 +323,12 @@ void write_fields(std::ostream& out, std::span<const Field> fields, const std::s
         write_field(out, fields[i], prefix + "." + filter_part(fields[i].name, i + 1));
 }
 
-void write_row(std::ostream& out, const Message& row) {
-    std::string prefix = "ano." + std::string{row.name};
+void write_row(std::ostream& out, const Message& row, bool is_v7) {
+    std::string prefix = (is_v7 ? "ano.v7." : "ano.") + std::string{row.name};
     if (!row.is_base()) prefix += "." + std::string{row.variant.label};
     out << "    {id = " << +row.id << ", name = " << lua_text(row.name) << ", title = " << lua_text(row.title)
-        << ", length = " << row.variant.length << ", size = " << row.fixed_size << (row.variant.by_look ? ", by_look = true" : "")
-        << (row.is_exact() ? ", exact = true" : "") << ", fields = {\n";
+        << ", length = " << row.variant.length << ", size = " << row.fixed_size << (is_v7 ? ", v7 = true" : "")
+        << (row.variant.by_look ? ", by_look = true" : "") << (row.is_exact() ? ", exact = true" : "") << ", fields = {\n";
     write_fields(out, row.fields(), prefix);
     out << "    }";
     if (!row.element().empty()) {
@@ -345,7 +357,8 @@ void write_layout(std::ostream& out, const FlexibleLayout& layout) {
 
 void write_lua(std::ostream& out, const FlexibleLayouts& flexible) {
     out << head_text;
-    for (const Message& row : messages) write_row(out, row);
+    for (const Message& row : messages) write_row(out, row, false);
+    for (const Message& row : v7::table::differences) write_row(out, row, true);
     // Specific layouts come first: those for one source before those for all, those for one value of the first field before those
     // for all.
     for (const bool with_source : {true, false})
@@ -353,6 +366,9 @@ void write_lua(std::ostream& out, const FlexibleLayouts& flexible) {
             for (const FlexibleLayout& layout : flexible.all())
                 if (layout.source().has_value() == with_source && layout.when().has_value() == with_value)
                     write_layout(out, layout);
+    out << "}\n\nlocal new_in_v8 = {";
+    for (unsigned id = 0; id < 256; ++id)
+        if (v7::table::is_new_in_v8(static_cast<std::uint8_t>(id))) out << '[' << id << "] = true, ";
     out << engine;
 }
 
