@@ -183,7 +183,7 @@ _anoctl() {
         'log') options='--device --link --control --encoding --since --no-follow --json -h --help'; operands=':' ;;
         'alarms') options='--follow --device --control --json -h --help'; operands=':' ;;
         'image') options='--count --device --link --control --json -h --help'; operands='_anoctl_files' ;;
-        'terminal') options='--hex --encoding --end --exclusive --json --control -h --help'; operands='_anoctl_links' ;;
+        'terminal') options='--hex --v7 --encoding --end --exclusive --json --control -h --help'; operands='_anoctl_links' ;;
         'top') options='--control -h --help'; operands=':' ;;
         'record') options='--id --from --to --link --direction --seconds --last --message-encoding --force --json --control -h --help'; operands='_anoctl_files' ;;
         'recordings') options='--format --message-encoding --id --from --to --link --direction --seconds --force --json --control -h --help'; operands='if ((COMP_CWORD == 2)); then _anoctl_words '\''list start end get delete save'\''; else _anoctl_messages; fi' ;;

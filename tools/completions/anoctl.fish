@@ -204,6 +204,7 @@ complete -c anoctl -n '__fish_seen_subcommand_from image' -l json -d 'Print one 
 complete -c anoctl -n '__fish_seen_subcommand_from image' -s h -l help -d 'Print this help and exit'
 complete -c anoctl -n '__fish_seen_subcommand_from image' -F
 complete -c anoctl -n '__fish_seen_subcommand_from terminal' -l hex -d 'Show hex digits, and send lines of hex digits'
+complete -c anoctl -n '__fish_seen_subcommand_from terminal' -l v7 -d 'Show the frames of protocol version 7 in the bytes, and nothing else'
 complete -c anoctl -n '__fish_seen_subcommand_from terminal' -l encoding -x -a 'utf8 gbk' -d 'Text encoding, both ways '
 complete -c anoctl -n '__fish_seen_subcommand_from terminal' -l end -x -a 'crlf lf cr none' -d 'Line ending to send after each line '
 complete -c anoctl -n '__fish_seen_subcommand_from terminal' -l exclusive -d 'Forward no frames to the link meanwhile '
