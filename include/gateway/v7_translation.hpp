@@ -154,15 +154,17 @@ protected:
 /// The state of one link. Neither allocates nor throws after construction.
 ///
 /// Requests for data (parameters, waypoints) and writes are sent one at a time: the next is sent when the device answered or did
-/// not answer in time. Requests for data are repeated; a write is sent again when its host repeats it. A command (0xC0) is sent at
-/// once, exactly as often as its host sent it, so that an emergency stop waits for nothing.
+/// not answer in time. Requests for data are repeated, and all are sent again when their host repeats them. A command (0xC0) is sent
+/// at once, exactly as often as its host sent it, so that an emergency stop waits for nothing.
 class V7Translation {
 public:
     static constexpr std::size_t max_waiting = 16;
     /// An acknowledgement is accepted for this time after its request.
     static constexpr ano::Duration memory = std::chrono::milliseconds{1000};
-    /// A write that its host repeats is sent again if the last one was sent this long ago: as often as an LX MCU repeats its own.
-    static constexpr ano::Duration write_interval = std::chrono::milliseconds{50};
+    /// A request that its host repeats is sent again if the last one was sent this long ago, as often as an LX MCU repeats its own;
+    /// at most so often in all, because other requests wait.
+    static constexpr ano::Duration host_interval = std::chrono::milliseconds{50};
+    static constexpr unsigned max_sends = 8;
     /// Values of 0x02 and 0x05 that complete other frames are this young.
     static constexpr ano::Duration fresh = std::chrono::milliseconds{1000};
     /// The gateway describes a device only if it sent a frame within this time.
@@ -313,6 +315,7 @@ private:
         bool is_fresh(ano::TimePoint now) const noexcept { return at && now - *at < fresh; }
     };
     Altitude alt_bar_, alt_fu_;
+    std::vector<float> as_written_;    // by place in the table: the real number that a host wrote last; NaN: none
     std::optional<ano::TimePoint> last_frame_{};
     std::array<Version, 3> versions_{};    // parameters 2, 3 and 4 of versions_of_
     std::uint8_t versions_of_ = 0;

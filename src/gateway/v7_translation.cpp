@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace anogate {
@@ -64,7 +65,8 @@ std::bitset<256> V7Settings::default_down() {
 V7Translation::V7Translation(V7Settings settings)
     : settings_{std::move(settings)},
       acc_{settings_.acc.value_or(usual_acceleration(settings_.address))},
-      range_{settings_.range.value_or(settings_.address == 0xDE ? V7Range::flow : V7Range::lx)} {
+      range_{settings_.range.value_or(settings_.address == 0xDE ? V7Range::flow : V7Range::lx)},
+      as_written_(settings_.parameters.size(), std::numeric_limits<float>::quiet_NaN()) {
     settings_.max_data = std::min(settings_.max_data, v7::max_len);
     settings_.repeats = std::max(settings_.repeats, 1u);
     if (settings_.name.empty()) settings_.name = "V7 " + std::string{ano::address::who(settings_.address)};
@@ -72,6 +74,7 @@ V7Translation::V7Translation(V7Settings settings)
 
 void V7Translation::reset() noexcept {
     alt_bar_ = alt_fu_ = {};
+    std::fill(as_written_.begin(), as_written_.end(), std::numeric_limits<float>::quiet_NaN());
     last_frame_.reset();
     versions_ = {};
     to_host_ = {};
@@ -289,8 +292,11 @@ void V7Translation::send_parameter(const Origin& to, std::uint16_t index, std::i
     ano::store(data, index);
     ano::store(data + 2, value);
     const auto rows = parameters_of(to.asked);
-    if (index < rows.size() && rows[index].as_f32)
-        ano::store(data + 2, static_cast<float>(value / static_cast<double>(rows[index].scale)));
+    if (index < rows.size() && rows[index].as_f32) {
+        const double scale = rows[index].scale, written = static_cast<double>(as_written_[index]);
+        const bool is_as_written = std::round(written * scale) == value;    // false for NaN
+        ano::store(data + 2, is_as_written ? as_written_[index] : static_cast<float>(value / scale));
+    }
     send_up(to.asked, to.host, 0xE1, data, output);
 }
 

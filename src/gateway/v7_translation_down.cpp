@@ -226,6 +226,7 @@ void V7Translation::parameter_value_down(const Origin& origin, Data data, ano::T
         const double wire = std::round(static_cast<double>(ano::load<float>(data.data() + 2)) * rows[index].scale);
         if (!(wire >= INT32_MIN && wire <= INT32_MAX)) return drop(&V7Counters::down_unrepresentable);
         value = static_cast<std::int32_t>(wire);
+        as_written_[index] = ano::load<float>(data.data() + 2);
     }
     std::uint8_t bytes[6];
     ano::store(bytes, *number);
@@ -390,12 +391,12 @@ bool V7Translation::has_waiting(const Origin& origin) const noexcept {
     return false;
 }
 
-// The host's repetition of the write in flight: to send it again does no harm, and the line may have lost the first.
+// The host's repetition of the request in flight: to send it again does no harm, and the line may have lost the first.
 bool V7Translation::may_be_sent_again(const Origin& origin, ano::TimePoint now) const noexcept {
-    if (!in_flight_ || asks_for_data(queue_[first_])) return false;
+    if (!in_flight_ || times_sent_ >= max_sends) return false;
     const Origin& sent = queue_[first_].origin;
     return sent.host == origin.host && sent.asked == origin.asked && sent.id == origin.id && sent.checks == origin.checks &&
-           now - (due_ - settings_.repeat_interval) >= write_interval;
+           now - (due_ - settings_.repeat_interval) >= host_interval;
 }
 
 V7Translation::Request& V7Translation::push(const Origin& origin, std::uint8_t v7_id, Data data) noexcept {

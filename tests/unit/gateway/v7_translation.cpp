@@ -685,6 +685,19 @@ TEST(V7Translation, allocates_only_at_construction) {
     EXPECT_GT(output.n, 100u);
 }
 
+TEST(V7Translation, a_request_that_its_host_repeats_is_sent_eight_times_at_most) {
+    V7Link link{fc};
+    const Bytes question = frame(host, fc, 0xE0, {2, 11, 0});
+    std::size_t sent = link.down(question).size();
+    for (int i = 0; i < 20 && link.translation.deadline(); ++i) {
+        link.pass(50ms);
+        sent += link.sent.size();
+        if (link.translation.deadline()) sent += link.down(question).size();
+    }
+    EXPECT_EQ(sent, 8u);
+    EXPECT_EQ(link.counted().unanswered, 1u) << "then others have their turn";
+}
+
 TEST(V7Translation, a_write_that_its_host_repeats_is_sent_again_after_50_ms) {
     V7Link link{fc};
     const Bytes write = frame(host, fc, 0xE1, {11, 0, 5, 0, 0, 0});
@@ -701,6 +714,22 @@ TEST(V7Translation, a_write_that_its_host_repeats_is_sent_again_after_50_ms) {
     const Bytes answer = v7_frame(0xAF, 0x00, {0xE2, sent[sent.size() - 2], sent.back()});
     EXPECT_EQ(link.up(answer), Frames{frame(fc, host, 0x00, {0xE1, write[write.size() - 2], write.back()})});
     EXPECT_FALSE(link.translation.deadline());
+}
+
+// Otherwise a host that compares what it wrote takes the value as changed by the device, and restores an old calibration.
+TEST(V7Translation, a_real_number_is_read_back_as_it_was_written) {
+    V7Settings settings{.address = imu};
+    settings.parameters = {{1000, "CAL_AOFF_X", 1000, true}};
+    V7Link link{settings};
+    ASSERT_EQ(link.down(0xE1, pack(std::uint16_t{0}, -7.17843f)),
+              Frames{v7_frame(0x60, 0xE2, pack(std::uint16_t{1000}, std::int32_t{-7178}))});
+    link.pass(1s);
+    const auto read = [&](std::int32_t in_device) {
+        link.down(0xE0, {2, 0, 0});
+        return link.up(0xE2, pack(std::uint16_t{1000}, in_device));
+    };
+    EXPECT_EQ(read(-7178), Frames{frame(imu, host, 0xE1, pack(std::uint16_t{0}, -7.17843f))});
+    EXPECT_EQ(read(-7179), Frames{frame(imu, host, 0xE1, pack(std::uint16_t{0}, -7.179f))}) << "another value of the device";
 }
 
 // A table of the user (v7_params=FILE).
