@@ -118,7 +118,7 @@ void add_rows(std::vector<V7Parameter>& to, std::span<const NamedRow> rows) {
     for (const NamedRow& row : rows) to.push_back({row.number, row.name, row.scale});
 }
 
-constexpr std::size_t max_rows = 2000, max_name = 20;    // a name in 0xE2 has 20 bytes
+constexpr std::size_t max_rows = 2000, max_parameter_name = 20;    // a name in 0xE2 has 20 bytes
 
 std::string_view trimmed(std::string_view text) noexcept {
     constexpr std::string_view blanks = " \t\r";
@@ -145,7 +145,8 @@ std::string parse_parameter(std::string_view line, V7Parameter& row) {
     }
     if (!read_number(words[0], row.number)) return "NUMBER must be 0 to 65535";
     row.name = words[1];
-    if (row.name.empty() || row.name.size() > max_name) return "NAME must have 1 to " + std::to_string(max_name) + " bytes";
+    if (row.name.empty() || row.name.size() > max_parameter_name)
+        return "NAME must have 1 to " + std::to_string(max_parameter_name) + " bytes";
     if (count > 2 && (!read_number(words[2], row.scale) || row.scale == 0)) return "SCALE must be 1 to 4294967295";
     if (count > 3 && words[3] != "i32" && words[3] != "f32") return "TYPE must be i32 or f32";
     row.as_f32 = words[3] == "f32";
