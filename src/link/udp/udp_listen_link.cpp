@@ -343,9 +343,13 @@ void UdpListenLink::flush_v7(Peer& peer) {
     while (write_v7(peer) && !outbox.empty()) {
         const TimePoint now = context_.host.now();
         const std::size_t budget = pacing_.budget(outbox, now);
+        if (now < peer.absent_until) {
+            if (now < peer.next_try) return drop_all(outbox, now, &SendCounters::send_failed);
+            peer.next_try = now + between_tries;
+        }
         std::span<const std::uint8_t> first;
         if (budget == 0 || outbox.gather({&first, 1}, now, budget) == 0) return;
-        if (peer.far && peer.far->allowance(now) < first.size() + growth) return hold_back_all(outbox, now);
+        if (peer.far && peer.far->allowance(now) < first.size() + growth) return drop_all(outbox, now, &SendCounters::held_back);
         if (peer.far) peer.far->sent(ano::FrameView{first}, now);
         peer.v7->take(outbox, ano::FrameView{first}, now);
     }
