@@ -8,6 +8,10 @@
 
 #include <gtest/gtest.h>
 
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+
 #include <algorithm>
 #include <memory>
 
@@ -200,6 +204,56 @@ TEST_F(Strangers, that_only_listen_are_shown_as_listening_and_removed_when_their
     ASSERT_TRUE(until([&] { return places() == 1; }));
     peers.back()->send(to(), vendor::who_are_you);
     EXPECT_TRUE(until([&] { return !daemon->link("ground").at("channels").at(0).contains("listening_since_s"); }));
+}
+
+// From `by`: a datagram from the gateway's port `from` to `to` did not arrive, because its port is closed.
+void report_closed_port(const char* by, const anogate::Endpoint& from, const anogate::Endpoint& to) {
+    const anogate::UniqueFd socket{::socket(AF_INET, SOCK_RAW | SOCK_CLOEXEC, IPPROTO_ICMP)};
+    ASSERT_TRUE(socket);
+    sockaddr_in address{.sin_family = AF_INET, .sin_port = 0, .sin_addr = {}, .sin_zero = {}};
+    ASSERT_EQ(::inet_pton(AF_INET, by, &address.sin_addr), 1);
+    ASSERT_EQ(::bind(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+    const auto octets = [](const anogate::Endpoint& e) { return Bytes(e.address.bytes.begin(), e.address.bytes.begin() + 4); };
+    const auto port = [](const anogate::Endpoint& e) {
+        return Bytes{static_cast<std::uint8_t>(e.port >> 8), static_cast<std::uint8_t>(e.port & 0xFF)};
+    };
+    Bytes message = Bytes{3, 3, 0, 0, 0, 0, 0, 0} + Bytes{0x45, 0, 0, 28, 0, 0, 0, 0, 64, 17, 0, 0} + octets(from) + octets(to) +
+                    port(from) + port(to) + Bytes{0, 8, 0, 0};
+    std::uint32_t sum = 0;
+    for (std::size_t i = 0; i < message.size(); i += 2) sum += std::uint32_t{message[i]} << 8 | message[i + 1];
+    while (sum > 0xFFFF) sum = (sum & 0xFFFF) + (sum >> 16);
+    message[2] = static_cast<std::uint8_t>(~sum >> 8);
+    message[3] = static_cast<std::uint8_t>(~sum & 0xFF);
+    ASSERT_EQ(::inet_pton(AF_INET, "10.0.0.1", &address.sin_addr), 1);
+    EXPECT_EQ(
+        ::sendto(socket.get(), message.data(), message.size(), 0, reinterpret_cast<const sockaddr*>(&address), sizeof address),
+        static_cast<ssize_t>(message.size()));
+}
+
+TEST_F(Strangers, that_report_the_port_of_another_host_as_closed_remove_no_peer) {
+    start();
+    UdpPeer& listener = stranger(10);
+    listener.send(to(), vendor::who_are_you);
+    ASSERT_TRUE(until([&] { return places() == 1; }));
+    std::uint8_t n = 0;
+    const auto report = [&](const char* by) {
+        const Inside inside{*there};
+        report_closed_port(by, to(), listener.local());
+    };
+    const auto next_arrives = [&] {
+        listener.forget();
+        fc->send(daemon->port("air"), frame(0xDC, 0xFE, 0xF1, Bytes(10, ++n)));
+        return until([&] { return !listener.heard().empty() || places() == 0; }) && places() == 1;
+    };
+    for (int i = 0; i < 20; ++i) {
+        report("10.0.0.11");
+        ASSERT_TRUE(next_arrives()) << i;
+    }
+    for (int i = 0; i < 20 && places() == 1; ++i) {
+        report("10.0.0.10");
+        next_arrives();
+    }
+    EXPECT_EQ(places(), 0u) << "its own host reports it";
 }
 
 TEST(LocalPeers, one_seen_once_does_not_replace_one_seen_again) {

@@ -65,8 +65,7 @@ bool may_be_reported(int error) noexcept {
     }
 }
 
-std::size_t read_error_reports(int fd, const std::function<void(const Endpoint& to)>& on_refused,
-                               const std::function<void(const Endpoint& to, const IpAddress& by)>& on_absent) {
+std::size_t read_error_reports(int fd, const OnUnreachable& on_refused, const OnUnreachable& on_absent) {
     std::size_t count = 0;
     for (std::size_t i = 0; i < max_reports; ++i) {
         sockaddr_storage to{};
@@ -85,7 +84,7 @@ std::size_t read_error_reports(int fd, const std::function<void(const Endpoint& 
             std::memcpy(&report, CMSG_DATA(c), sizeof report);
             if (from_network(report)) ++count;
             if (message.msg_namelen == 0) continue;
-            if (nothing_listens(report)) on_refused(endpoint_of(to));
+            if (nothing_listens(report)) on_refused(endpoint_of(to), sender_of(*c));
             else if (on_absent && host_is_absent(report)) on_absent(endpoint_of(to), sender_of(*c));
         }
     }

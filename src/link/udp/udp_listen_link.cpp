@@ -26,6 +26,8 @@ constexpr Duration look_slack = std::chrono::seconds{1};
 // datagrams to it, which use the send buffer of all peers.
 constexpr Duration absent_for = std::chrono::seconds{10};
 constexpr Duration between_tries = std::chrono::seconds{1};
+// A datagram shows that the peer is back, at most once in this time: its sender may be forged.
+constexpr Duration between_returns = std::chrono::minutes{5};
 constexpr Duration look_at_suspect = std::chrono::seconds{1};    // shortest time between checks whether a peer is a gateway
 
 // While datagrams are waiting for their turn, the socket is read again after this time, before its buffer is full.
@@ -178,7 +180,10 @@ void UdpListenLink::receive(const sockaddr_storage& sender, std::span<const std:
 // May remove the peer.
 void UdpListenLink::receive(Peer& peer, std::span<const std::uint8_t> datagram, TimePoint arrived_at, TimePoint now) {
     peer.channel.arrived_at = arrived_at;
-    peer.absent_until = {};
+    if (now < peer.absent_until && now >= peer.believed_again) {
+        peer.absent_until = {};
+        peer.believed_again = now + between_returns;
+    }
     if (std::exchange(peer.came, true)) book_.came(peer.channel.id);
     if (peer.far) peer.far->came(datagram.size(), now);
     if (peer.v7) {
@@ -263,7 +268,9 @@ void UdpListenLink::send_notice(const Endpoint& to, const std::optional<Listenin
 // Does not remove peers: the outbox of the refused peer may be in use by the sender.
 bool UdpListenLink::read_reports() {
     const TimePoint now = context_.host.now();
-    const auto refused = [&](const Endpoint& there) {
+    const auto refused = [&](const Endpoint& there, const IpAddress& by) {
+        // Only that host knows which of its ports are closed. The scope of `by` is not reported.
+        if (by.v6 != there.address.v6 || by.bytes != there.address.bytes) return;
         const Peer* peer = find(there);
         // set_no_later(): if an alarm triggers the sending, postponing look_ each time would delay it for ever.
         if (peer && book_.refused(peer->channel.id, now)) look_.set_no_later(now);

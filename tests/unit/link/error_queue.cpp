@@ -23,7 +23,8 @@ TEST(ErrorReports, are_all_read_at_once_with_their_destinations) {
         while (!sender.send(there, Bytes{1})) {}    // a call may fail because of the previous datagram
     std::size_t reports = 0;
     const auto take = [&] {
-        reports = anogate::read_error_reports(sender.fd(), [&](const anogate::Endpoint& who) { refused.push_back(who); });
+        reports = anogate::read_error_reports(
+            sender.fd(), [&](const anogate::Endpoint& who, const anogate::IpAddress&) { refused.push_back(who); });
     };
     pollfd there{sender.fd(), 0, 0};
     ASSERT_EQ(::poll(&there, 1, 10'000), 1);
@@ -43,7 +44,9 @@ TEST(ErrorReports, of_the_local_system_are_read_but_not_counted) {
     ASSERT_TRUE(sender.send(receiver.local(), Bytes{1}));
     pollfd there{sender.fd(), 0, 0};
     ASSERT_EQ(::poll(&there, 1, 10'000), 1);
-    EXPECT_EQ(anogate::read_error_reports(sender.fd(), [](const anogate::Endpoint& who) { ADD_FAILURE() << who.text(); }), 0u);
+    EXPECT_EQ(anogate::read_error_reports(
+                  sender.fd(), [](const anogate::Endpoint& who, const anogate::IpAddress&) { ADD_FAILURE() << who.text(); }),
+              0u);
     EXPECT_EQ(::poll(&there, 1, 0), 0) << "or it would be looked at again and again";
 }
 
