@@ -98,6 +98,9 @@ struct V7Counters {
     std::uint64_t up_malformed{};           // not the length of its message
     std::uint64_t up_unrepresentable{};     // a value that V8 can't represent, or no valid distance
     std::uint64_t up_unmatched{};           // an acknowledgement of no request
+    std::uint64_t up_own_sensor{};          // of a host program: only devices send this message
+    std::uint64_t up_erase{};               // of a host program: the command that erases the firmware of an LX IMU
+    std::uint64_t up_queue_full{};          // of a host program: too many requests wait
     std::uint64_t down_no_counterpart{};    // the message does not exist in V7
     std::uint64_t down_own_sensor{};        // the device would take it for a measurement of its own
     std::uint64_t down_erase{};             // the command that erases the firmware of an LX IMU
@@ -107,6 +110,7 @@ struct V7Counters {
     std::uint64_t down_unrepresentable{};    // a value that V7 can't represent
     std::uint64_t down_unmatched{};          // an acknowledgement of no command of the device
     std::uint64_t down_queue_full{};         // too many requests wait
+    std::uint64_t down_other_device{};       // to a host program: not of the device that it sees
 };
 
 struct V7CounterRow {
@@ -126,6 +130,9 @@ inline constexpr V7CounterRow v7_counters[] = {
     {"v7_up_malformed", &V7Counters::up_malformed, "from the device: not the length of its message"},
     {"v7_up_unrepresentable", &V7Counters::up_unrepresentable, "from the device: a value that V8 cannot represent"},
     {"v7_up_unmatched", &V7Counters::up_unmatched, "from the device: an acknowledgement of no request"},
+    {"v7_up_own_sensor", &V7Counters::up_own_sensor, "from a host program: messages that only devices send"},
+    {"v7_up_erase", &V7Counters::up_erase, "from a host program: the command that erases the firmware"},
+    {"v7_up_queue_full", &V7Counters::up_queue_full, "from a host program: too many requests wait for an answer"},
     {"v7_down_no_counterpart", &V7Counters::down_no_counterpart, "to the device: V7 has no such message"},
     {"v7_down_own_sensor", &V7Counters::down_own_sensor, "to the device: it would take them for its own measurements"},
     {"v7_down_erase", &V7Counters::down_erase, "to the device: the command that erases its firmware"},
@@ -135,6 +142,7 @@ inline constexpr V7CounterRow v7_counters[] = {
     {"v7_down_unrepresentable", &V7Counters::down_unrepresentable, "to the device: a value that V7 cannot represent"},
     {"v7_down_unmatched", &V7Counters::down_unmatched, "to the device: an acknowledgement of none of its commands"},
     {"v7_down_queue_full", &V7Counters::down_queue_full, "to the device: too many requests wait for an answer"},
+    {"v7_down_other_device", &V7Counters::down_other_device, "to a host program: frames of devices other than v7_device"},
 };
 
 inline void add(V7Counters& sum, const V7Counters& more) noexcept {
@@ -144,42 +152,39 @@ inline void add(V7Counters& sum, const V7Counters& more) noexcept {
 /// Where translated frames go; each is valid during the call. No call may call the translation.
 class V7Output {
 public:
+    /// To the V7 end of the link: the device, or the host program.
     virtual void to_device(ano::v7::FrameView frame) = 0;
+    /// From there, as the gateway sees it.
     virtual void from_device(ano::FrameView frame) = 0;
 
 protected:
     ~V7Output() = default;
 };
 
-/// The state of one link. Neither allocates nor throws after construction.
-///
-/// Requests for data (parameters, waypoints) and writes are sent one at a time: the next is sent when the device answered or did
-/// not answer in time. Requests for data are repeated, and all are sent again when their host repeats them. A command (0xC0) is sent
-/// at once, exactly as often as its host sent it, so that an emergency stop waits for nothing.
-class V7Translation {
+/// The translation of one link. What is at its other end is up to the class: V7Translation, a device; V7HostTranslation, a host program.
+/// Neither allocates nor throws after construction.
+class V7LinkTranslation {
 public:
     static constexpr std::size_t max_waiting = 16;
     /// An acknowledgement is accepted for this time after its request.
     static constexpr ano::Duration memory = std::chrono::milliseconds{1000};
-    /// A request that its host repeats is sent again if the last one was sent this long ago, as often as an LX MCU repeats its own;
-    /// at most so often in all, because other requests wait.
-    static constexpr ano::Duration host_interval = std::chrono::milliseconds{50};
-    static constexpr unsigned max_sends = 8;
     /// Values of 0x02 and 0x05 that complete other frames are this young.
     static constexpr ano::Duration fresh = std::chrono::milliseconds{1000};
-    /// The gateway describes a device only if it sent a frame within this time.
-    static constexpr ano::Duration presence = std::chrono::seconds{3};
 
-    explicit V7Translation(V7Settings settings);
+    virtual ~V7LinkTranslation() = default;
+    V7LinkTranslation(const V7LinkTranslation&) = delete;
+    V7LinkTranslation& operator=(const V7LinkTranslation&) = delete;
 
-    void up(ano::v7::FrameView frame, ano::TimePoint now, V7Output& output);
-    void down(ano::FrameView frame, ano::TimePoint now, V7Output& output);
+    /// A frame that was received on the link.
+    virtual void up(ano::v7::FrameView frame, ano::TimePoint now, V7Output& output) = 0;
+    /// A frame to be sent on the link.
+    virtual void down(ano::FrameView frame, ano::TimePoint now, V7Output& output) = 0;
     /// Repeats or gives up a request whose answer is overdue.
-    void expire(ano::TimePoint now, V7Output& output);
+    virtual void expire(ano::TimePoint now, V7Output& output) = 0;
     /// When to call expire(); std::nullopt: no request waits for its answer.
-    std::optional<ano::TimePoint> deadline() const noexcept;
+    virtual std::optional<ano::TimePoint> deadline() const noexcept = 0;
     /// The connection was lost: forgets all requests and measurements.
-    void reset() noexcept;
+    virtual void reset() noexcept = 0;
 
     const V7Settings& settings() const noexcept { return settings_; }
     const V7Counters& counters() const noexcept { return counters_; }
@@ -192,26 +197,16 @@ public:
         return (id >= 0x01 && id <= 0x0F) || id == 0x20 || id == 0x21;
     }
 
-private:
+protected:
     using Data = std::span<const std::uint8_t>;
     using Count = std::uint64_t V7Counters::*;
 
-    /// The frame of the host that an answer belongs to.
+    /// The frame that an answer belongs to: in V8, or with a host program in V7.
     struct Origin {
         std::uint8_t host = 0;
         std::uint8_t asked = 0;    // the V8 id from which the answer comes
         std::uint8_t id = 0;
         ano::Checks checks{};
-    };
-    struct Request {
-        Origin origin;
-        bool is_own = false;          // for the device information
-        std::uint16_t subject = 0;    // number of the parameter or waypoint
-        std::uint16_t index = 0;      // of the parameter, as the host knows it
-        std::uint8_t size = 0;
-        std::array<std::uint8_t, 28> bytes{};    // the V7 frame; a waypoint is the longest
-        Data frame() const noexcept { return Data{bytes}.first(size); }
-        std::uint8_t id() const noexcept { return bytes[2]; }
     };
     /// A sent frame whose acknowledgement is expected.
     struct Expected {
@@ -229,26 +224,80 @@ private:
         void add(const Expected& expected) noexcept;
         std::optional<Origin> take(std::uint8_t id, ano::Checks checks, ano::TimePoint now) noexcept;
     };
-    struct Version {
-        std::uint16_t value = 0;
-        bool known = false;
+    struct Altitude {
+        std::int32_t value = 0;
+        std::optional<ano::TimePoint> at{};
+        bool is_fresh(ano::TimePoint now) const noexcept { return at && now - *at < fresh; }
     };
+
+    explicit V7LinkTranslation(V7Settings settings);
 
     void drop(Count count) noexcept {
         ++(counters_.*count);
         ++dropped_;
     }
+    /// The source in V8 of frames with this id: after V7Settings::sources, otherwise `usual`.
+    std::uint8_t source_of(std::uint8_t v7_id, std::uint8_t usual) const noexcept;
+    /// `data` may be at its place in v8_ already, where the frame is then.
+    ano::FrameView send_up(std::uint8_t source, std::uint8_t destination, std::uint8_t id, Data data, V7Output& output);
+
+    V7Settings settings_;
+    V7Acceleration acc_;
+    V7Range range_;
+    V7Counters counters_;
+    std::uint64_t dropped_ = 0;
+    std::array<std::uint8_t, ano::overhead + 256> v8_{};
+    std::array<std::uint8_t, ano::v7::max_frame_size> v7_{};
+};
+
+/// With a device at the other end of the link.
+///
+/// Requests for data (parameters, waypoints) and writes are sent one at a time: the next is sent when the device answered or did
+/// not answer in time. Requests for data are repeated, and all are sent again when their host repeats them. A command (0xC0) is sent
+/// at once, exactly as often as its host sent it, so that an emergency stop waits for nothing.
+class V7Translation final : public V7LinkTranslation {
+public:
+    /// A request that its host repeats is sent again if the last one was sent this long ago, as often as an LX MCU repeats its own;
+    /// at most so often in all, because other requests wait.
+    static constexpr ano::Duration host_interval = std::chrono::milliseconds{50};
+    static constexpr unsigned max_sends = 8;
+    /// The gateway describes a device only if it sent a frame within this time.
+    static constexpr ano::Duration presence = std::chrono::seconds{3};
+
+    explicit V7Translation(V7Settings settings);
+
+    void up(ano::v7::FrameView frame, ano::TimePoint now, V7Output& output) override;
+    void down(ano::FrameView frame, ano::TimePoint now, V7Output& output) override;
+    void expire(ano::TimePoint now, V7Output& output) override;
+    std::optional<ano::TimePoint> deadline() const noexcept override;
+    void reset() noexcept override;
+
+private:
+    struct Request {
+        Origin origin;
+        bool is_own = false;          // for the device information
+        std::uint16_t subject = 0;    // number of the parameter or waypoint
+        std::uint16_t index = 0;      // of the parameter, as the host knows it
+        std::uint8_t size = 0;
+        std::array<std::uint8_t, 28> bytes{};    // the V7 frame; a waypoint is the longest
+        Data frame() const noexcept { return Data{bytes}.first(size); }
+        std::uint8_t id() const noexcept { return bytes[2]; }
+    };
+    struct Version {
+        std::uint16_t value = 0;
+        bool known = false;
+    };
+
     /// The table is that of `address`; devices at other ids of the line have none.
     std::span<const V7Parameter> parameters_of(std::uint8_t device) const noexcept {
         return device == settings_.address ? std::span<const V7Parameter>{settings_.parameters} : std::span<const V7Parameter>{};
     }
-    std::uint8_t source_of(std::uint8_t v7_id) const noexcept;
+    std::uint8_t source_of(std::uint8_t v7_id) const noexcept { return V7LinkTranslation::source_of(v7_id, settings_.address); }
     bool is_own_id(std::uint8_t id) const noexcept;
     std::uint8_t receiver(std::uint8_t asked, std::uint8_t v7_id) const noexcept;
     Origin origin_of(ano::FrameView frame) const noexcept;
 
     // up
-    void send_up(std::uint8_t source, std::uint8_t destination, std::uint8_t id, Data data, V7Output& output);
     std::size_t rebuild_up(ano::v7::FrameView frame, ano::TimePoint now, std::uint8_t* data) noexcept;
     std::size_t inertial_up(Data v7, std::uint8_t* data) const noexcept;
     std::size_t compass_up(Data v7, ano::TimePoint now, std::uint8_t* data) noexcept;
@@ -267,7 +316,6 @@ private:
     void position_down(std::uint8_t asked, Data data, V7Output& output);
     void log_value_down(std::uint8_t asked, Data data, V7Output& output);
     void ranging_down(std::uint8_t asked, Data data, V7Output& output);
-    void send_range(std::uint8_t asked, std::uint8_t direction, std::uint16_t angle, std::uint32_t cm, V7Output& output);
     void check_down(Data data, ano::TimePoint now, V7Output& output);
     void command_down(const Origin& origin, Data data, ano::TimePoint now, V7Output& output);
     void waypoint_down(const Origin& origin, Data data, ano::TimePoint now, V7Output& output);
@@ -303,17 +351,6 @@ private:
     }
     bool asks_for_data(const Request& request) const noexcept { return request.id() == 0xE1 || request.id() == 0x60; }
 
-    V7Settings settings_;
-    V7Acceleration acc_;
-    V7Range range_;
-    V7Counters counters_;
-    std::uint64_t dropped_ = 0;
-
-    struct Altitude {
-        std::int32_t value = 0;
-        std::optional<ano::TimePoint> at{};
-        bool is_fresh(ano::TimePoint now) const noexcept { return at && now - *at < fresh; }
-    };
     Altitude alt_bar_, alt_fu_;
     std::vector<float> as_written_;    // by place in the table: the real number that a host wrote last; NaN: none
     std::optional<ano::TimePoint> last_frame_{};
@@ -327,8 +364,6 @@ private:
     bool in_flight_ = false;    // the first one was sent
     unsigned times_sent_ = 0;
     ano::TimePoint due_{};
-    std::array<std::uint8_t, ano::overhead + 256> v8_{};
-    std::array<std::uint8_t, ano::v7::max_frame_size> v7_{};
 };
 
 }    // namespace anogate

@@ -1,3 +1,5 @@
+#include "v7_layouts.hpp"
+
 #include <gateway/v7_translation.hpp>
 
 #include <ano/address.hpp>
@@ -12,48 +14,6 @@ namespace anogate {
 
 namespace v7 = ano::v7;
 
-namespace {
-
-constexpr std::pair<std::uint8_t, std::uint8_t> v7_and_v8_addresses[]{
-    {v7::address::broadcast, ano::address::broadcast},
-    {v7::address::host, ano::address::host},
-    {v7::address::console, ano::address::host},
-    {v7::address::flight_controller, ano::address::flight_controller},
-    {v7::address::data_radio, ano::address::data_radio},
-    {v7::address::optical_flow, 0xDE},
-    {v7::address::imu, 0xDD},
-    {v7::address::mcu, 0xDB}};
-
-// 0: V8 has none.
-constexpr std::uint8_t v8_address_of(std::uint8_t v7_address) noexcept {
-    for (const auto& [in_v7, in_v8] : v7_and_v8_addresses)
-        if (in_v7 == v7_address) return in_v8;
-    return v7_address < 200 ? v7_address : std::uint8_t{0};
-}
-
-constexpr std::array<std::uint8_t, 256> v8_addresses = [] {
-    std::array<std::uint8_t, 256> all{};
-    for (std::size_t a = 0; a < all.size(); ++a) all[a] = v8_address_of(static_cast<std::uint8_t>(a));
-    return all;
-}();
-
-std::int16_t saturated(double value) noexcept {
-    return static_cast<std::int16_t>(std::lround(std::clamp(value, -32768.0, 32767.0)));
-}
-
-constexpr std::int32_t no_position = INT32_MIN;
-
-V7Acceleration usual_acceleration(std::uint8_t address) noexcept {
-    switch (address) {
-    case 0xDC: return v7_acc_cmss;
-    case 0xDD: return v7_acc_lx;
-    case 0xDE: return v7_acc_flow;
-    default: return {};
-    }
-}
-
-}    // namespace
-
 std::bitset<256> V7Settings::default_down() {
     std::bitset<256> ids;
     for (const unsigned id : {0x00u, 0x30u, 0x32u, 0x33u, 0x34u, 0x40u, 0x41u, 0x51u, 0x60u, 0x61u, 0xA0u, 0xC0u, 0xE0u, 0xE1u})
@@ -62,13 +22,54 @@ std::bitset<256> V7Settings::default_down() {
     return ids;
 }
 
-V7Translation::V7Translation(V7Settings settings)
+// --- Every link
+
+V7LinkTranslation::V7LinkTranslation(V7Settings settings)
     : settings_{std::move(settings)},
       acc_{settings_.acc.value_or(usual_acceleration(settings_.address))},
-      range_{settings_.range.value_or(settings_.address == 0xDE ? V7Range::flow : V7Range::lx)},
-      as_written_(settings_.parameters.size(), std::numeric_limits<float>::quiet_NaN()) {
+      range_{settings_.range.value_or(settings_.address == 0xDE ? V7Range::flow : V7Range::lx)} {
     settings_.max_data = std::min(settings_.max_data, v7::max_len);
     settings_.repeats = std::max(settings_.repeats, 1u);
+}
+
+std::uint8_t V7LinkTranslation::source_of(std::uint8_t v7_id, std::uint8_t usual) const noexcept {
+    for (const V7Source& source : settings_.sources)
+        if (v7_id >= source.first && v7_id <= source.last) return source.address;
+    return usual;
+}
+
+ano::FrameView V7LinkTranslation::send_up(std::uint8_t source, std::uint8_t destination, std::uint8_t id, Data data,
+                                          V7Output& output) {
+    const auto frame = std::span{v8_}.first(ano::overhead + data.size());
+    ano::write_header(frame, source, destination, id, data.size());
+    if (data.data() != frame.data() + ano::header_size) std::copy(data.begin(), data.end(), frame.begin() + ano::header_size);
+    ano::seal(frame);
+    ++counters_.up;
+    output.from_device(ano::FrameView{frame});
+    return ano::FrameView{frame};
+}
+
+void V7LinkTranslation::ExpectedAcks::add(const Expected& expected) noexcept {
+    all[next] = expected;
+    next = (next + 1) % all.size();
+}
+
+// The oldest one that matches.
+std::optional<V7LinkTranslation::Origin> V7LinkTranslation::ExpectedAcks::take(std::uint8_t id, ano::Checks checks,
+                                                                               ano::TimePoint now) noexcept {
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        Expected& expected = all[(next + i) % all.size()];
+        if (!expected.waits || expected.id != id || expected.checks != checks || now - expected.at >= memory) continue;
+        expected.waits = false;
+        return expected.origin;
+    }
+    return std::nullopt;
+}
+
+// --- A link with a device
+
+V7Translation::V7Translation(V7Settings settings)
+    : V7LinkTranslation{std::move(settings)}, as_written_(settings_.parameters.size(), std::numeric_limits<float>::quiet_NaN()) {
     if (settings_.name.empty()) settings_.name = "V7 " + std::string{ano::address::who(settings_.address)};
 }
 
@@ -82,12 +83,6 @@ void V7Translation::reset() noexcept {
     first_ = size_ = 0;
     in_flight_ = false;
     times_sent_ = 0;
-}
-
-std::uint8_t V7Translation::source_of(std::uint8_t v7_id) const noexcept {
-    for (const V7Source& source : settings_.sources)
-        if (v7_id >= source.first && v7_id <= source.last) return source.address;
-    return settings_.address;
 }
 
 bool V7Translation::is_own_id(std::uint8_t id) const noexcept {
@@ -111,33 +106,18 @@ void V7Translation::up(v7::FrameView frame, ano::TimePoint now, V7Output& output
     }
     if (v7::table::is_new_in_v8(frame.id())) return drop(&V7Counters::up_no_counterpart);
     if (data.empty()) return drop(&V7Counters::up_malformed);
-    const std::uint8_t destination = v8_addresses[frame.destination()];
+    const std::uint8_t destination = v8_address_of(frame.destination());
     if (destination == 0) return drop(&V7Counters::up_no_address);
     const std::uint8_t source = source_of(frame.id());
     if (frame.id() == 0xE0) {
         if (data.size() < 3) return drop(&V7Counters::up_malformed);
-        send_up(source, destination, 0xC0, data, output);
-        to_device_.add({0xC0,
-                        ano::FrameView{{v8_.data(), ano::overhead + data.size()}}.checks(),
-                        {destination, source, 0xE0, frame.checks()},
-                        now,
-                        true});
-        return;
+        const ano::FrameView sent = send_up(source, destination, 0xC0, data, output);
+        return to_device_.add({0xC0, sent.checks(), {destination, source, 0xE0, frame.checks()}, now, true});
     }
-    if (v7::is_same_in_v8(frame.id())) return send_up(source, destination, frame.id(), data, output);
-    if (const std::size_t size = rebuild_up(frame, now, v8_.data() + ano::header_size))
+    if (v7::is_same_in_v8(frame.id())) send_up(source, destination, frame.id(), data, output);
+    else if (const std::size_t size = rebuild_up(frame, now, v8_.data() + ano::header_size))
         send_up(source, destination, frame.id() == 0xE1 ? std::uint8_t{0xE0} : frame.id(), {v8_.data() + ano::header_size, size},
                 output);
-}
-
-// `data` may be at its place in v8_ already.
-void V7Translation::send_up(std::uint8_t source, std::uint8_t destination, std::uint8_t id, Data data, V7Output& output) {
-    const auto frame = std::span{v8_}.first(ano::overhead + data.size());
-    ano::write_header(frame, source, destination, id, data.size());
-    if (data.data() != frame.data() + ano::header_size) std::copy(data.begin(), data.end(), frame.begin() + ano::header_size);
-    ano::seal(frame);
-    ++counters_.up;
-    output.from_device(ano::FrameView{frame});
 }
 
 // Writes the DATA in V8 and returns their size. 0: the frame was dropped and counted.
@@ -159,13 +139,7 @@ std::size_t V7Translation::rebuild_up(v7::FrameView frame, ano::TimePoint now, s
     case 0x05: return keeps ? unchanged() : altitude_up(v7, now, data);
     case 0x08: return keeps ? unchanged() : position_up(v7, now, data);
     case 0x34: return keeps ? unchanged() : ranging_up(v7, data);
-    case 0x32:
-        for (std::size_t at = 0; at < 12; at += 4) {
-            const auto cm = ano::load<std::int32_t>(v7.data() + at);
-            const std::int64_t mm = std::clamp<std::int64_t>(std::int64_t{cm} * 10, INT32_MIN + 1, INT32_MAX);
-            ano::store(data + at, cm == no_position ? no_position : static_cast<std::int32_t>(mm));
-        }
-        return 12;
+    case 0x32: positions_in_mm(v7.data(), data); return 12;
     case 0xA1:
         unchanged();
         ano::store(data, static_cast<float>(ano::load<std::int32_t>(v7.data())));
@@ -180,12 +154,8 @@ std::size_t V7Translation::rebuild_up(v7::FrameView frame, ano::TimePoint now, s
 
 std::size_t V7Translation::inertial_up(Data v7, std::uint8_t* data) const noexcept {
     std::copy(v7.begin(), v7.end(), data);
-    const auto scale = [&](std::size_t first, double factor) {
-        for (std::size_t at = first; at < first + 6; at += 2)
-            ano::store(data + at, saturated(ano::load<std::int16_t>(v7.data() + at) * factor));
-    };
-    if (acc_.unit == V7Acceleration::Unit::per_g) scale(0, 980.665 / acc_.per_g);
-    if (acc_.unit == V7Acceleration::Unit::cmss) scale(6, 32768.0 / 2000);
+    if (acc_.unit == V7Acceleration::Unit::per_g) scale_axes(data, 0, 980.665 / acc_.per_g);
+    if (acc_.unit == V7Acceleration::Unit::cmss) scale_axes(data, 6, 32768.0 / 2000);
     return v7.size();
 }
 
@@ -219,32 +189,9 @@ std::size_t V7Translation::position_up(Data v7, ano::TimePoint now, std::uint8_t
 }
 
 std::size_t V7Translation::ranging_up(Data v7, std::uint8_t* data) noexcept {
-    constexpr std::uint8_t none = 0xFF, scan = 100;
-    const std::uint8_t direction = v7[0];
-    const auto angle = ano::load<std::uint16_t>(v7.data() + 1);
-    const auto cm = ano::load<std::uint32_t>(v7.data() + 3);
-    const auto type = [&]() -> std::uint8_t {
-        if (range_ == V7Range::flow) {
-            constexpr std::uint8_t types[]{6, 5, 1, 2, 3, 4};
-            return direction < std::size(types) ? types[direction] : none;
-        }
-        if (direction == 1) return angle == 270 ? 6 : angle == 90 ? 5 : none;
-        if (direction != 0 || angle >= 360) return none;
-        if (angle == 270) return range_ == V7Range::lx ? 6 : 3;
-        return angle == 0 ? 1 : angle == 180 ? 2 : angle == 90 ? 4 : scan;
-    }();
-    if (type == none || cm > (type == scan ? UINT16_MAX : INT32_MAX / 10)) {
-        drop(&V7Counters::up_unrepresentable);
-        return 0;
-    }
-    data[0] = type;
-    if (type == scan) {
-        ano::store(data + 1, static_cast<std::uint16_t>(angle * 100));
-        ano::store(data + 3, static_cast<std::uint16_t>(cm));
-    } else {
-        ano::store(data + 1, static_cast<std::int32_t>(cm * 10));
-    }
-    return 5;
+    const std::size_t size = ranging_in_v8(range_, v7.data(), data);
+    if (size == 0) drop(&V7Counters::up_unrepresentable);
+    return size;
 }
 
 void V7Translation::check_up(v7::FrameView frame, ano::TimePoint now, V7Output& output) {

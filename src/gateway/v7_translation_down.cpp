@@ -1,4 +1,5 @@
 // V7Translation: from hosts to the device.
+#include "v7_layouts.hpp"
 #include "v7_tables.hpp"
 
 #include <gateway/v7_translation.hpp>
@@ -16,13 +17,8 @@ namespace v7 = ano::v7;
 
 namespace {
 
-constexpr std::size_t v7_command_size = 11;
 constexpr std::uint16_t v7_action = 0x10, v8_protocol_version = 800;
 constexpr std::uint16_t first_version = 2;    // parameters 2, 3 and 4: hardware, software, boot
-
-bool erases_firmware(std::span<const std::uint8_t> command) noexcept {
-    return command.size() >= 3 && command[0] == 0x01 && command[1] == 0x20 && command[2] == 0xAA;
-}
 
 // 0xC0 is translated and 0xC1 is answered by the gateway. 0xE2, a description in V8, is a value in V7.
 constexpr bool has_no_counterpart(std::uint8_t id) noexcept {
@@ -96,56 +92,29 @@ void V7Translation::send_down(std::uint8_t asked, std::uint8_t id, Data data, V7
 void V7Translation::position_down(std::uint8_t asked, Data data, V7Output& output) {
     if (data.size() < 12) return drop(&V7Counters::down_malformed);
     std::array<std::uint8_t, 12> cm;
-    for (std::size_t at = 0; at < cm.size(); at += 4) {
-        const auto mm = ano::load<std::int32_t>(data.data() + at);
-        ano::store(cm.data() + at, mm == INT32_MIN ? mm : mm / 10);
-    }
+    positions_in_cm(data.data(), cm.data());
     send_down(asked, 0x32, cm, output);
 }
 
 void V7Translation::log_value_down(std::uint8_t asked, Data data, V7Output& output) {
     if (data.size() < 4) return drop(&V7Counters::down_malformed);
     if (data.size() > settings_.max_data) return drop(&V7Counters::down_too_big);
-    const double value = std::round(static_cast<double>(ano::load<float>(data.data())));
-    if (!(value >= INT32_MIN && value <= INT32_MAX)) return drop(&V7Counters::down_unrepresentable);
+    const auto value = log_value_in_v7(data.data());
+    if (!value) return drop(&V7Counters::down_unrepresentable);
     std::array<std::uint8_t, v7::max_len> changed;
     std::copy(data.begin(), data.end(), changed.begin());
-    ano::store(changed.data(), static_cast<std::int32_t>(value));
+    ano::store(changed.data(), *value);
     send_down(asked, 0xA1, Data{changed}.first(data.size()), output);
 }
 
 void V7Translation::ranging_down(std::uint8_t asked, Data data, V7Output& output) {
-    constexpr std::uint8_t scan = 100;
-    const bool is_lx = range_ == V7Range::lx;
-    if (data[0] == scan) {
-        if (data.size() < 5) return drop(&V7Counters::down_malformed);
-        for (std::size_t at = 1; at + 4 <= data.size(); at += 4) {
-            const auto degrees = static_cast<std::uint16_t>((ano::load<std::uint16_t>(data.data() + at) + 50) / 100 % 360);
-            const auto cm = ano::load<std::uint16_t>(data.data() + at + 2);
-            // For `lx` this direction is down.
-            if (is_lx && degrees == 270) drop(&V7Counters::down_unrepresentable);
-            else send_range(asked, 0, degrees, cm, output);
-        }
-        return;
-    }
     if (data.size() < 5) return drop(&V7Counters::down_malformed);
-    const auto mm = ano::load<std::int32_t>(data.data() + 1);
-    if (data[0] > 6 || mm < 0 || (is_lx && data[0] == 3)) return drop(&V7Counters::down_unrepresentable);
-    struct RangeDirection {
-        std::uint8_t direction;
-        std::uint16_t angle;
+    const auto send = [&](const V7Distance& distance) {
+        std::array<std::uint8_t, 7> v7_data;
+        distance.store(v7_data.data());
+        send_down(asked, 0x34, v7_data, output);
     };
-    constexpr RangeDirection directions[]{{1, 270}, {0, 0}, {0, 180}, {0, 270}, {0, 90}, {1, 90}, {1, 270}};
-    const RangeDirection there = is_lx && (data[0] == 0 || data[0] == 6) ? RangeDirection{0, 270} : directions[data[0]];
-    send_range(asked, there.direction, there.angle, static_cast<std::uint32_t>(mm / 10), output);
-}
-
-void V7Translation::send_range(std::uint8_t asked, std::uint8_t direction, std::uint16_t angle, std::uint32_t cm,
-                               V7Output& output) {
-    std::array<std::uint8_t, 7> data{direction};
-    ano::store(data.data() + 1, angle);
-    ano::store(data.data() + 3, cm);
-    send_down(asked, 0x34, data, output);
+    for_each_distance(range_, data, send, [&] { drop(&V7Counters::down_unrepresentable); });
 }
 
 void V7Translation::check_down(Data data, ano::TimePoint now, V7Output& output) {
@@ -363,23 +332,6 @@ void V7Translation::send_device_info(const Origin& origin, V7Output& output) {
 }
 
 // --- Requests
-
-void V7Translation::ExpectedAcks::add(const Expected& expected) noexcept {
-    all[next] = expected;
-    next = (next + 1) % all.size();
-}
-
-// The oldest one that matches.
-std::optional<V7Translation::Origin> V7Translation::ExpectedAcks::take(std::uint8_t id, ano::Checks checks,
-                                                                       ano::TimePoint now) noexcept {
-    for (std::size_t i = 0; i < all.size(); ++i) {
-        Expected& expected = all[(next + i) % all.size()];
-        if (!expected.waits || expected.id != id || expected.checks != checks || now - expected.at >= memory) continue;
-        expected.waits = false;
-        return expected.origin;
-    }
-    return std::nullopt;
-}
 
 bool V7Translation::has_waiting(const Origin& origin) const noexcept {
     for (std::size_t i = 0; i < size_; ++i) {

@@ -1,6 +1,7 @@
 #include <link/v7_edge.hpp>
 
 #include <config/link_kind.hpp>
+#include <gateway/v7_host_translation.hpp>
 
 #include <algorithm>
 #include <cstring>
@@ -13,12 +14,17 @@ ano::v7::FrameParser::Options parser_options(const LinkSettings& link) {
     return {std::min<std::size_t>(link.max_data, ano::v7::max_len), link.frame_gap.value_or(quiet_of(*link.kind))};
 }
 
+std::unique_ptr<V7LinkTranslation> translation_for(const V7LinkSettings& v7) {
+    if (v7.role == V7Role::host) return std::make_unique<V7HostTranslation>(v7.translation());
+    return std::make_unique<V7Translation>(v7.translation());
+}
+
 }    // namespace
 
 V7Edge::V7Edge(const V7LinkSettings& v7, const LinkSettings& link, const LinkContext& context, Calls calls)
     : context_{context},
       calls_{std::move(calls)},
-      translation_{v7.translation()},
+      translation_{translation_for(v7)},
       parser_{parser_options(link)},
       alarm_{context.alarms, [this] { ring(); }} {}
 
@@ -31,7 +37,7 @@ void V7Edge::from_device(ano::FrameView frame) {
 
 void V7Edge::translate_received() {
     const TimePoint now = context_.host.now();
-    while (const auto frame = parser_.next()) translation_.up(*frame, now, *this);
+    while (const auto frame = parser_.next()) translation_->up(*frame, now, *this);
 }
 
 // The gateway may send on this link meanwhile, which fills received_ again.
@@ -86,15 +92,15 @@ void V7Edge::reset() noexcept {
     alarm_.cancel();
     parser_.finish();
     while (parser_.next()) {}
-    translation_.reset();
+    translation_->reset();
     unsent_.clear();
     received_.clear();
 }
 
 void V7Edge::take(Outbox& outbox, ano::FrameView frame, TimePoint now) {
-    const std::uint64_t before = translation_.dropped();
-    translation_.down(frame, now, *this);
-    if (translation_.dropped() == before) outbox.sent_frame();
+    const std::uint64_t before = translation_->dropped();
+    translation_->down(frame, now, *this);
+    if (translation_->dropped() == before) outbox.sent_frame();
     else outbox.drop_frame(&SendCounters::denied_out);
     set_alarm();
 }
@@ -105,7 +111,7 @@ std::span<const std::uint8_t> V7Edge::first_unsent() const noexcept {
 
 void V7Edge::set_alarm() {
     if (!received_.empty()) return alarm_.set(context_.host.now());
-    const auto parser = parser_.deadline(), translation = translation_.deadline();
+    const auto parser = parser_.deadline(), translation = translation_->deadline();
     if (parser && translation) alarm_.set(std::min(*parser, *translation));
     else if (parser || translation) alarm_.set(parser ? *parser : *translation);
     else alarm_.cancel();
@@ -116,7 +122,7 @@ void V7Edge::ring() {
     channel_->arrived_at = now;
     parser_.expire(now);
     translate_received();
-    if (const auto due = translation_.deadline(); due && *due <= now) translation_.expire(now, *this);
+    if (const auto due = translation_->deadline(); due && *due <= now) translation_->expire(now, *this);
     pass_on();
     set_alarm();
     context_.host.flush();

@@ -1,4 +1,4 @@
-// The edge of a link whose devices use V7: V7 frames on the wire, V8 frames towards the gateway.
+// The edge of a link whose devices, or whose host program, use V7: V7 frames on the wire, V8 frames towards the gateway.
 //
 // In:     prepare(), read into it, commit(), deliver(); or receive_datagram()
 // Out:    take(outbox, its first frame, now), then write unsent() and remove it by written()
@@ -11,6 +11,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -52,7 +53,7 @@ public:
     std::span<const std::uint8_t> first_unsent() const noexcept;
     void written(std::size_t bytes) { unsent_.erase(unsent_.begin(), unsent_.begin() + static_cast<std::ptrdiff_t>(bytes)); }
 
-    const V7Counters& counters() const noexcept { return translation_.counters(); }
+    const V7Counters& counters() const noexcept { return translation_->counters(); }
 
 private:
     void to_device(ano::v7::FrameView frame) override;
@@ -65,7 +66,7 @@ private:
 
     LinkContext context_;
     Calls calls_;
-    V7Translation translation_;
+    std::unique_ptr<V7LinkTranslation> translation_;
     ano::v7::FrameParser parser_;
     Channel* channel_ = nullptr;
     Alarm alarm_;

@@ -51,6 +51,8 @@ void check_v7(const V7LinkSettings& v7, LinkFaults& faults) {
     if (v7.is_on() && v7.device == 0)
         faults.error("v7_device",
                      "'protocol' v7 needs 'v7_device', the id under which hosts see the device: " + std::string{devices});
+    if (v7.role == V7Role::host && (v7.layout != V7Layout::v8 || !v7.down.empty() || v7.ack != V7Ack::device))
+        faults.error("v7_role", "'v7_layout', 'v7_down' and 'v7_ack' have no effect with 'v7_role' host: remove them");
     std::vector<V7Parameter> rows;
     if (const std::string wrong = read_v7_parameters(v7.params, rows); !wrong.empty())
         faults.error("v7_params", "the table of 'v7_params' cannot be used: " + wrong);

@@ -41,10 +41,13 @@ constexpr auto v7_rows() {
     using V = V7LinkSettings;
     constexpr auto v7 = &Settings::v7;
     constexpr auto own_settings = own<Settings>;
-    return std::array<Key<LinkSettings>, 13>{
+    return std::array<Key<LinkSettings>, 14>{
         choice<own_settings, v7, &V::protocol>("protocol", "v8|v7",
                                                "the version of the protocol that the devices of this link use; v7 is "
                                                "translated, and needs v7_device"),
+        choice<own_settings, v7, &V::role>("v7_role", "device|host",
+                                           "what is at the other end of the link; host: a V7 ground station, ROS bridge or MCU "
+                                           "that sees one V8 device, v7_device"),
         v7_row<Settings, std::uint64_t, &V::device, fault_of_v7_device>(
             {.name = "v7_device",
              .form = Form::address,
@@ -98,7 +101,8 @@ constexpr auto v7_rows() {
              .min = 1,
              .max = max_path,
              .stands_for = "none|lx|tkz|FILE"}),
-        integer<own_settings, v7, &V::max>("v7_max", 1, 255, "maximum DATA length of a V7 frame to the device"),
+        integer<own_settings, v7, &V::max>("v7_max", 1, 255,
+                                           "maximum DATA length of a V7 frame that is sent (default: 44; with v7_role=host 255)"),
     };
 }
 

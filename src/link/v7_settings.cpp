@@ -64,7 +64,7 @@ V7Settings V7LinkSettings::translation() const {
     made.ack = ack;
     made.repeats = repeat;
     if (!read_v7_parameters(params, made.parameters).empty()) made.parameters.clear();    // check_v7() reports it
-    made.max_data = max;
+    made.max_data = max.value_or(role == V7Role::host ? ano::v7::max_len : made.max_data);
     return made;
 }
 

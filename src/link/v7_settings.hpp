@@ -11,10 +11,13 @@
 namespace anogate {
 
 enum class LinkProtocol : std::uint8_t { v8, v7 };
+/// What is at the other end of the link: a device, or a program that uses one.
+enum class V7Role : std::uint8_t { device, host };
 
 struct V7LinkSettings {
     LinkProtocol protocol = LinkProtocol::v8;
-    std::uint8_t device = 0;    // the V8 id of the device; 0: not set
+    V7Role role = V7Role::device;
+    std::uint8_t device = 0;    // the V8 id of the device, with V7Role::host of the one that the host program sees; 0: not set
     std::vector<std::string> sources;
     std::optional<std::uint8_t> address;    // D_ADDR of frames to the device
     std::string acc;                        // lx, flow, cmss, keep or a number; empty: after `device`
@@ -24,8 +27,8 @@ struct V7LinkSettings {
     std::vector<ByteRange> down;    // empty: V7Settings::default_down()
     V7Ack ack = V7Ack::device;
     std::uint8_t repeat = 3;
-    std::string params = "none";    // the table of parameters: none, lx, tkz, or the path of a file
-    std::uint8_t max = 44;
+    std::string params = "none";        // the table of parameters: none, lx, tkz, or the path of a file
+    std::optional<std::uint8_t> max;    // std::nullopt: 44 to a device, 255 to a host program
     bool operator==(const V7LinkSettings&) const = default;
 
     bool is_on() const noexcept { return protocol == LinkProtocol::v7; }

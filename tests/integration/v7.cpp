@@ -8,7 +8,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 #include <utility>
@@ -322,6 +324,87 @@ TEST(V7Links, a_device_plugged_in_again_has_no_requests_of_before) {
     EXPECT_EQ(line.device_got(), Frames{v7_frame(0x60, 0xE1, {152, 0})});
     wire.write(telemetry);
     EXPECT_EQ(line.host_got(), Frames{frame(imu, 0xFF, 0x03, attitude)});
+}
+
+// --- v7_role=host: the wire leads to a V7 host program, and `ground` is a V8 device
+
+const std::string host_keys = ",name=fc,protocol=v7,v7_role=host,v7_device=0xDD,v7_params=lx";
+
+/// Other frames, such as repeated requests, may come before it.
+bool comes(RunningGateway& gateway, const std::function<Frames()>& read, const Bytes& expected) {
+    return gateway.until([&] {
+        const Frames all = read();
+        return std::find(all.begin(), all.end(), expected) != all.end();
+    });
+}
+
+TYPED_TEST(V7Link, a_v7_host_program_sees_commands_and_sets_a_v8_device) {
+    Line line{this->wire, host_keys};
+    const auto program_gets = [&](const Bytes& v7) {
+        return comes(
+            *line.gateway, [&] { return v7_frames(this->wire.read()); }, v7);
+    };
+    const auto device_gets = [&](const Bytes& v8) {
+        return comes(
+            *line.gateway, [&] { return line.ground.frames(); }, v8);
+    };
+    line.ask(frame(0xDC, 0xFF, 0x03, attitude));
+    line.ask(frame(imu, 0xFF, 0x03, attitude));
+    EXPECT_EQ(line.device_got(), Frames{v7_frame(0xFF, 0x03, attitude)});
+    EXPECT_EQ(line.count("v7_down_other_device"), 1);
+
+    const Bytes command = v7_frame(0xFF, 0xE0, {0x10, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0});
+    const Bytes command_in_v8 = frame(host, imu, 0xC0, {0x10, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0});
+    this->wire.write(command);
+    EXPECT_EQ(line.host_got(), Frames{command_in_v8});
+    line.ask(acknowledged(imu, command_in_v8));
+    EXPECT_EQ(line.device_got(), Frames{v7_frame(0xAF, 0x00, {0xE0, command[command.size() - 2], command.back()})});
+    line.expect_silence();
+
+    this->wire.write(v7_frame(0x60, 0xE1, {151, 0}));
+    EXPECT_TRUE(device_gets(frame(host, imu, 0xE0, {3, 4, 0})));
+    Bytes description(23);
+    description[0] = 4;
+    description[2] = 2;    // u16
+    line.ask(frame(imu, host, 0xE2, description));
+    EXPECT_TRUE(device_gets(frame(host, imu, 0xE0, {2, 4, 0})));
+    line.ask(frame(imu, host, 0xE1, {4, 0, 20, 1}));
+    EXPECT_TRUE(program_gets(v7_frame(0xAF, 0xE2, {151, 0, 20, 1, 0, 0})));
+    this->wire.write(v7_frame(0x60, 0xE2, {151, 0, 30, 1, 0, 0}));
+    EXPECT_TRUE(device_gets(frame(host, imu, 0xE1, {4, 0, 30, 1})));
+    EXPECT_TRUE(line.gateway->counters_add_up());
+}
+
+TEST(V7Links, a_v7_host_program_uses_a_v7_device_through_v8) {
+    TcpListener listener;
+    RunningGateway gateway{settings_of_texts({"sim:lx,name=lx", "tcp:" + listener.address() + host_keys})};
+    TcpPeer peer;
+    ASSERT_TRUE(gateway.until([&] { return listener.accept(peer); }));
+    const auto gets = [&](const std::function<bool(const ano::v7::FrameView&)>& is_it) {
+        return gateway.until([&] {
+            std::span<const std::uint8_t> rest{peer.heard()};
+            while (const auto frame = ano::v7::frame_at(rest)) {
+                if (is_it(*frame)) return true;
+                rest = rest.subspan(frame->bytes().size());
+            }
+            return false;
+        });
+    };
+    EXPECT_TRUE(gets([](const auto& f) { return f.id() == 0x04 && f.data().size() == 9; }));
+    EXPECT_TRUE(gets([](const auto& f) { return f.id() == 0x02 && f.data().size() == 14; }));
+    const Bytes command = v7_frame(0xFF, 0xE0, {0x01, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0});
+    peer.send(command);
+    EXPECT_TRUE(gets([&](const auto& f) {
+        return f.id() == 0x00 && f.data()[0] == 0xE0 && f.data()[1] == command[command.size() - 2] &&
+               f.data()[2] == command.back();
+    }));
+    const Bytes write = v7_frame(0x60, 0xE2, {151, 0, 77, 0, 0, 0});
+    peer.send(write);
+    EXPECT_TRUE(gets([&](const auto& f) {
+        return f.id() == 0x00 && f.data()[0] == 0xE2 && f.data()[1] == write[write.size() - 2] && f.data()[2] == write.back();
+    }));
+    peer.send(v7_frame(0x60, 0xE1, {151, 0}));
+    EXPECT_TRUE(gets([](const auto& f) { return f.id() == 0xE2 && f.data()[0] == 151 && f.data()[2] == 77; }));
 }
 
 /// Peers of a listening link, and a host.

@@ -135,6 +135,9 @@ export const causes: Record<string, [string, string]> = {
   v7_up_malformed: ["from the V7 device: not the length of its message", "来自 V7 设备：长度与消息不符"],
   v7_up_unrepresentable: ["from the V7 device: a value that V8 cannot represent", "来自 V7 设备：V8 无法表示的值"],
   v7_up_unmatched: ["from the V7 device: an acknowledgement of no request", "来自 V7 设备：没有对应请求的应答"],
+  v7_up_own_sensor: ["from the V7 host program: messages that only devices send", "来自 V7 上位机程序：只有设备才发送的消息"],
+  v7_up_erase: ["from the V7 host program: the command that erases the firmware", "来自 V7 上位机程序：会擦除固件的命令"],
+  v7_up_queue_full: ["from the V7 host program: too many requests wait for an answer", "来自 V7 上位机程序：等待应答的请求过多"],
   v7_down_no_counterpart: ["to the V7 device: V7 has no such message", "发往 V7 设备：V7 没有对应的消息"],
   v7_down_own_sensor: ["to the V7 device: it would take them for its own measurements", "发往 V7 设备：会被它当作自己的测量值"],
   v7_down_erase: ["to the V7 device: the command that erases its firmware", "发往 V7 设备：会擦除其固件的命令"],
@@ -144,6 +147,7 @@ export const causes: Record<string, [string, string]> = {
   v7_down_unrepresentable: ["to the V7 device: a value that V7 cannot represent", "发往 V7 设备：V7 无法表示的值"],
   v7_down_unmatched: ["to the V7 device: an acknowledgement of none of its commands", "发往 V7 设备：没有对应命令的应答"],
   v7_down_queue_full: ["to the V7 device: too many requests wait for an answer", "发往 V7 设备：等待应答的请求过多"],
+  v7_down_other_device: ["to the V7 host program: frames of devices other than v7_device", "发往 V7 上位机程序：v7_device 以外的设备的帧"],
   held_back: ["the peer has not confirmed its address yet", "对端尚未确认其地址"],
 };
 

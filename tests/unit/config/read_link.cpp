@@ -115,6 +115,17 @@ TEST(LinkText, with_only_the_device_of_v7_has_the_usual_settings) {
     EXPECT_FALSE(link_of("serial:/dev/ttyUSB0").as<SerialSettings>().v7.is_on());
 }
 
+TEST(LinkText, with_a_v7_host_program_has_the_device_that_it_sees) {
+    const V7LinkSettings v7 = link_of("udp-listen:0.0.0.0:1,protocol=v7,v7_role=host,v7_device=0xDD").as<UdpListenSettings>().v7;
+    EXPECT_EQ(v7.role, V7Role::host);
+    EXPECT_EQ(v7.translation().address, 0xDD);
+    EXPECT_EQ(v7.translation().max_data, 255u);
+    const std::string keys = "serial:/dev/ttyUSB0,protocol=v7,v7_role=host,v7_device=0xDD,";
+    EXPECT_EQ(link_of(keys + "v7_max=40").as<SerialSettings>().v7.translation().max_data, 40u);
+    for (const std::string key : {"v7_layout=keep", "v7_down=0x40", "v7_ack=sent"})
+        EXPECT_EQ(fault_of(keys + key), "'v7_layout', 'v7_down' and 'v7_ack' have no effect with 'v7_role' host: remove them");
+}
+
 TEST(LinkText, of_a_v7_device_may_name_a_file_with_its_parameters) {
     const support::TempDir dir;
     const std::string file = dir.write("table.csv", "11, PID1_P, 1000\n12, PID1_I, 1000\n");

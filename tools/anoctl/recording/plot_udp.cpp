@@ -66,7 +66,7 @@ private:
         const std::span<const std::uint8_t> bytes{reinterpret_cast<const std::uint8_t*>(json.data()), json.size()};
         int error = send_datagram(socket_.get(), to_, bytes, to_.address.v6);
         if (may_be_reported(error)) {    // error of an earlier datagram; this one was not sent
-            read_error_reports(socket_.get(), [this](const Endpoint&) { report_no_listener(); });
+            read_error_reports(socket_.get(), [this](const Endpoint&, const IpAddress&) { report_no_listener(); });
             if (error == EHOSTUNREACH || error == ENETUNREACH) report_unsent(error);    // the second attempt may succeed
             error = send_datagram(socket_.get(), to_, bytes, to_.address.v6);
         }
