@@ -179,7 +179,7 @@ TEST(Config, ids_must_be_unique_and_in_range) {
 TEST(Config, an_invalid_link_causes_no_errors_about_its_name) {
     EXPECT_EQ(
         faults_in(R"({"links": ["sim:plane,name=x"], "routes": [{"address": 5, "link": "x"}], "gateway": {"unknown": "y"}})"),
-        "/links/0: LINK 'sim:plane,name=x': 'device' must be one of fc, imu, flow, radio, car, not 'plane'\n");
+        "/links/0: LINK 'sim:plane,name=x': 'device' must be one of fc, imu, flow, radio, car, lx, not 'plane'\n");
     const std::string beside_another = faults_in(
         R"({"links": ["bogus:fc,name=x", "pty:/tmp/y"], "routes": [{"address": 5, "link": "x"}]})");
     EXPECT_EQ(std::count(beside_another.begin(), beside_another.end(), '\n'), 1) << beside_another;
