@@ -1,6 +1,6 @@
 // The files of an earlier run: read or rejected, for any content.
 #include <control/flexible_control.hpp>
-#include <devices/notes.hpp>
+#include <devices/crash_journal.hpp>
 #include <managed/managed_parameters.hpp>
 #include <runtime/kept_config.hpp>
 #include <runtime/restart_state.hpp>

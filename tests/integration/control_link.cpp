@@ -135,12 +135,12 @@ TEST_F(ControlLinkOfOnePeer, a_program_can_have_a_port_id) {
 TEST_F(ControlLinkOfOnePeer, a_program_is_closed_when_a_link_or_the_gateway_gets_its_port_id) {
     MessageClient camera{gateway, "/link?id=7"}, lamp{gateway, "/link?id=8"}, radio{gateway, "/link?id=9"};
     ASSERT_TRUE(until_open(camera) && until_open(lamp) && until_open(radio) && until_channels(3));
-    anogate::Gateway& gateway = gateway.gateway.gateway();
-    anogate::Settings settings = gateway.settings();
+    anogate::Gateway& running = gateway.gateway.gateway();
+    anogate::Settings settings = running.settings();
     settings.links.at(0).id = 7;
     settings.gateway.id = 8;
     bool changed = false;
-    gateway.change(settings, anogate::difference(gateway.settings(), settings), 300ms, [&] { changed = true; });
+    running.change(settings, anogate::difference(running.settings(), settings), 300ms, [&] { changed = true; });
     ASSERT_TRUE(gateway.gateway.until([&] { return changed && camera.ended && lamp.ended; }));
     EXPECT_EQ(camera.ended->fault, "closed by the gateway: another link has the port id 7 now");
     EXPECT_EQ(lamp.ended->fault, "closed by the gateway: the gateway has the port id 8 now");

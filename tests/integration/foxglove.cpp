@@ -136,11 +136,11 @@ TEST_F(Foxglove, only_subscribed_channels_are_sent) {
 TEST_F(Foxglove, channels_of_a_removed_link_are_unadvertised_even_without_new_frames) {
     Plotter plotter{gateway}, other{gateway, "/", {{"Sec-WebSocket-Protocol", "foxglove.sdk.v1"}}};
     ASSERT_TRUE(until_told(plotter, "/a/device_220/euler") && until_told(other, "/a/device_220/euler"));
-    anogate::Gateway& gateway = gateway.gateway.gateway();
-    anogate::Settings settings = gateway.settings();
+    anogate::Gateway& running = gateway.gateway.gateway();
+    anogate::Settings settings = running.settings();
     settings.links.clear();
     bool is_changed = false;
-    gateway.change(settings, anogate::difference(gateway.settings(), settings), 0ms, [&] { is_changed = true; });
+    running.change(settings, anogate::difference(running.settings(), settings), 0ms, [&] { is_changed = true; });
     ASSERT_TRUE(until([&] { return is_changed && !plotter.said("unadvertise").empty() && !other.said("unadvertise").empty(); }));
     const json gone = plotter.said("unadvertise").front().at("channelIds");
     EXPECT_NE(std::find(gone.begin(), gone.end(), plotter.channel("/a/device_220/euler").at("id")), gone.end()) << gone;
