@@ -100,7 +100,8 @@ enum class Taken : std::uint8_t {
 /// A missing acknowledgement does not cause the question before the first frame of a command. The first frame of a command for the
 /// device that is present (Request::present_device) is sent before all questions, whatever happened before. A device whose info was never
 /// received is asked once before the first acting request of a task (Request::needs_info); its commands are not delayed, and not
-/// repeated after a sign. The latter also applies to a device with varying info (has_varying_info()).
+/// repeated after a sign. The latter also applies to a device with varying info (has_varying_info()), whose varying fields are not
+/// compared.
 ///
 /// No parameter id is sent before the number of parameters is known, nor one at or beyond that number: some firmware crashes on
 /// it.
@@ -172,17 +173,17 @@ public:
     Identity identity() const noexcept { return identity_; }
     /// Whether it was identified since the last of its doubts().
     bool is_identified() const noexcept { return doubts_ == identified_doubts_; }
-    /// Its device info differs from answer to answer without any sign between, once if the second answer was asked for because the
-    /// first one differed, otherwise twice in a row. This counts from the last of these answers on. So it does not show which device it is: requests are sent as to a device whose
-    /// info was never received, without a question. info() stays the same meanwhile.
-    bool has_varying_info() const noexcept { return unlike_ >= varies_from; }
-    /// So many differences in a row, and one less for each info that equals the one before.
+    /// A field of its device info varies: it differs from answer to answer without any sign between, once if the second answer was
+    /// asked for because the first one differed, otherwise twice in a row. Such a field does not show which device it is, and is
+    /// not compared; a difference in any other field does. info() stays the same meanwhile.
+    bool has_varying_info() const noexcept { return std::any_of(unlike_.begin(), unlike_.end(), varies); }
+    /// So many differences in a row, and one less for each info in which the field equals the one before.
     static constexpr int varies_from = 2, most_unlike = 4;
     /// When it last sent its device info.
     TimePoint identified_at() const noexcept { return identified_at_; }
     /// Sets its device info, as received before this object was made.
     void know_as(DeviceInfo info) {
-        if (const Hardware hardware{info.dev_id, info.hw_ver}; hardware != Hardware{}) hardware_ = hardware;
+        if (const DeviceInfo hardware = hardware_of(info); hardware != DeviceInfo{}) hardware_ = hardware;
         known_as_ = std::move(info);
     }
     /// Sets the pace of its telemetry, as observed before this object was made.
@@ -239,7 +240,13 @@ private:
         TimePoint late_until;    // for a request that may be sent only once
     };
 
-    using Hardware = std::pair<std::uint8_t, std::uint16_t>;    // dev_id and hw_ver
+    struct BeforeDifference {
+        Identity identity;
+        DeviceInfo info;
+    };
+    static constexpr std::size_t info_fields = 6;
+    static constexpr bool varies(int unlike) noexcept { return unlike >= varies_from; }
+    static DeviceInfo hardware_of(const DeviceInfo& info) { return {.dev_id = info.dev_id, .hw_ver = info.hw_ver}; }
 
     /// Asks for the device info while other requests wait for it. hear() evaluates the answer, even if another host asked for it.
     struct Identification final : Asker {
@@ -252,7 +259,9 @@ private:
     void identify(bool for_command);
     void hear_info(DeviceInfo info, bool is_announced, TimePoint now);
     void forget_data() noexcept;
-    void recognise(const DeviceInfo& info, bool varies, TimePoint now);
+    void count_differences(const DeviceInfo& info, bool has_sign, bool is_second) noexcept;
+    bool differ(const DeviceInfo& one, const DeviceInfo& other) const noexcept;
+    void recognise(const DeviceInfo& info, TimePoint now);
     void release_held();
     void not_identified(const Ended& ended, TimePoint now);
     void not_acknowledged(const Exchange& exchange) noexcept;
@@ -307,9 +316,10 @@ private:
     Identification identification_{*this};
     bool identifies_ = false, identifies_for_command_ = false;
     std::optional<DeviceInfo> known_as_;    // the last device info, also while it is away
-    std::optional<Hardware> hardware_;      // as last reported: a loader may report zeros
+    std::optional<DeviceInfo> hardware_;    // its hardware_of() as last reported: a loader may report zeros
     Identity identity_;
-    std::optional<Identity> before_difference_;    // before its info differed after a sign, until the second answer
+    std::optional<BeforeDifference> before_difference_;    // its info differed after a sign; until the second answer
+    bool is_compared_ = false;                             // two of its infos were compared since it was away
     TimePoint identified_at_{};
     std::uint32_t missed_ = 0;    // those of doubts_ that are acknowledgements of writes
     std::uint32_t identified_signs_ = 0;
@@ -323,7 +333,7 @@ private:
     std::vector<TimePoint> info_questions_;    // not answered yet, the oldest first
     Duration info_takes_{};                    // from the question to the device info, at least
     Duration write_takes_{};                   // from a write to its acknowledgement
-    int unlike_ = 0;                           // device infos, for has_varying_info()
+    std::array<int, info_fields> unlike_{};    // differences in each field, for has_varying_info()
     std::uint32_t announcements_ = 0;
     RoundTrip round_trip_;
     Window window_;

@@ -55,6 +55,7 @@ struct Request {
     bool of_same = false;                  // only the intended device may answer: treated like a request that acts
     std::optional<Identity> identity{};    // of the intended device; std::nullopt: the one that is there when it is asked
     bool needs_info = false;               // if it acts: the device info is requested first if it was never received
+    bool compares_info = false;            // the device info is requested again first if no two of them were compared
     bool present_device = false;           // the intended device is the one that is present when the request is first sent
 };
 
@@ -98,6 +99,7 @@ public:
     bool is_of_same() const noexcept { return acts_ || of_same_; }
     Identity identity() const noexcept { return identity_; }
     bool needs_info() const noexcept { return needs_info_; }
+    bool compares_info() const noexcept { return compares_info_; }
     /// No device is intended yet.
     bool means_present_device() const noexcept { return present_device_ && !was_sent(); }
     void mean(Identity identity) noexcept { identity_ = identity; }
@@ -121,6 +123,7 @@ public:
         bool answers = false;        // the device has answered any request since the previous send
         std::size_t others = 0;      // requests in flight
         std::uint32_t doubts = 0;    // Device::doubts()
+        bool is_known = false;       // the device info of the device had been received
     };
     /// To be called when the frame is sent, for the first time or again.
     void send(TimePoint now, const RoundTrip& round_trip, const Send& send) noexcept;
@@ -192,7 +195,7 @@ private:
     Asker* asker_;
     std::uint32_t tag_;
     bool urgent_;
-    bool of_same_, needs_info_, present_device_;
+    bool of_same_, needs_info_, compares_info_, present_device_;
     bool acts_ = false;
     bool held_ = false, passes_ = false;
     Identity identity_;

@@ -67,6 +67,9 @@ public:
     }
     /// The intended device is the one that is present when the first request is sent: for an order that needs no earlier data.
     void mean_present_device() noexcept { means_present_device_ = true; }
+    /// Fields of the device info that vary must be known before its first request: what it starts can't be undone if they look like
+    /// another device (Device::has_varying_info()).
+    void compare_info() noexcept { compares_info_ = true; }
     /// It failed because another device has the address: no frame that acts was sent to that device.
     bool is_of_another() const noexcept { return is_of_another_; }
     void not_meant(const Ended& ended, TimePoint now) override;
@@ -118,7 +121,7 @@ private:
 
     Device& device_;
     Identity identity_;
-    bool is_meant_ = false, is_of_another_ = false, means_present_device_ = false;
+    bool is_meant_ = false, is_of_another_ = false, means_present_device_ = false, compares_info_ = false;
     std::optional<TimePoint> begun_at_;
     std::optional<End> end_;
     std::function<void(TimePoint)> on_end_;

@@ -394,8 +394,8 @@ void DeviceService::confirm_info(Known& known, ano::FrameView frame, TimePoint n
 void DeviceService::report_varying_info(Known& known, std::uint8_t address) {
     if (!known.device || !known.device->has_varying_info() || std::exchange(known.told_varying, true)) return;
     net_.report(ano::hex_byte(address) +
-                    ": its device info differs in each answer, so another device with this address would not "
-                    "be noticed; its firmware should send constant device info",
+                    ": its device info differs in each answer, so another device with this address is only "
+                    "noticed by what does not differ; its firmware should send constant device info",
                 true);
 }
 

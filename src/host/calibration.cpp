@@ -225,6 +225,7 @@ void Calibration::clear(TimePoint now) {
     enter(Step::clear, now);
     clear_ = std::make_unique<ParameterAction>(device(), clear_of(sensor_));
     clear_->mean(identity());
+    clear_->compare_info();
     clear_->on_end([this](TimePoint then) { cleared(then); });
     clear_->start(now);
 }

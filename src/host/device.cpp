@@ -27,6 +27,12 @@ bool is_measured_write(const Exchange& exchange) noexcept {
 Duration followed(Duration before, Duration takes) noexcept { return std::max(takes, (before + takes) / 2); }
 bool has_priority(const Exchange& exchange) noexcept { return exchange.is_urgent() || is_command(exchange); }
 
+// Whether each field differs.
+std::array<bool, 6> differences_of(const DeviceInfo& a, const DeviceInfo& b) noexcept {
+    return {a.dev_id != b.dev_id, a.hw_ver != b.hw_ver, a.sw_ver != b.sw_ver,
+            a.bl_ver != b.bl_ver, a.pt_ver != b.pt_ver, a.name != b.name};
+}
+
 }    // namespace
 
 bool is_question_for_info(FrameView frame) noexcept { return answer_to(frame) == Answer{id_of<"device_info">, {}}; }
@@ -94,7 +100,8 @@ Taken Device::take(FrameView frame, TimePoint now) {
 void Device::receive(FrameView frame, TimePoint now) {
     if (heard_at_ && !is_present(now)) {
         forget_data();
-        unlike_ = 0;
+        unlike_ = {};
+        is_compared_ = false;
     }
     note_telemetry(frame, now);
     if (std::exchange(is_lost_, false)) unanswered_doubts_.reset();
@@ -120,39 +127,52 @@ void Device::forget_data() noexcept {
     ++doubts_;
 }
 
-// If it is announced or has changed, the device restarted, and may have other parameters and commands. If it has changed after a
-// sign, the answer to a second question shows whether it varies: what waits for it waits for that answer too.
+// If it is announced or has changed, the device restarted, and may have other parameters and commands. If the answer to a question
+// after a sign has changed, the answer to a second question shows what varies: what waits for it waits for that answer too.
 void Device::hear_info(DeviceInfo info, bool is_announced, TimePoint now) {
-    const bool varied = has_varying_info();
     const bool is_asked_first = identifies_ && !before_difference_;    // because of a sign, or of a pause that lasts
     const bool has_sign = is_announced || !is_identified() || is_unacknowledged_ || is_asked_first;
-    const bool differs = info_ && *known_as_ != info;
-    const bool asks_again = differs && has_sign && !varied && identifies_;
-    const auto before = before_difference_;
-    if (!asks_again) before_difference_.reset();
-    else if (!before_difference_) before_difference_ = identity_;
-    const bool differs_again = differs && !has_sign && before;
-    if (differs_again) identity_ = *before;
-    if (!differs) unlike_ = std::max(unlike_ - 1, 0);
-    else if (differs_again) unlike_ = std::max(unlike_, varies_from);
-    else unlike_ = varied || !has_sign ? std::min(unlike_ + 1, most_unlike) : 0;
-    const bool varies = has_varying_info();
+    auto before = std::exchange(before_difference_, std::nullopt);
+    const bool is_second = before && !has_sign;
+    if (known_as_) count_differences(info, has_sign, is_second);
+    const bool is_other = known_as_ && differ(*known_as_, info);
+    const bool asks_again = is_other && identifies_ && has_sign && !is_announced;
+    if (is_second && !differ(before->info, info)) identity_ = before->identity;
+    if (asks_again) before_difference_ = before ? std::move(before) : BeforeDifference{identity_, *known_as_};
     if (is_announced) ++announcements_;
-    if (is_announced || (info_ && *info_ != info && !varies)) forget_data();
+    if (is_announced || (info_ && is_other)) forget_data();
     const bool for_command = identifies_for_command_;
-    recognise(info, varies, now);
-    if (!varies || !info_) info_ = std::move(info);
+    recognise(info, now);
+    if (is_other || !info_ || !has_varying_info()) info_ = std::move(info);
     if (asks_again) return identify(for_command);
     release_held();
 }
 
-void Device::recognise(const DeviceInfo& info, bool varies, TimePoint now) {
-    if (known_as_ && *known_as_ != info && !varies) ++identity_.device;
+void Device::count_differences(const DeviceInfo& info, bool has_sign, bool is_second) noexcept {
+    const auto differences = differences_of(*known_as_, info);
+    for (std::size_t i = 0; i < unlike_.size(); ++i) {
+        int& unlike = unlike_[i];
+        if (!differences[i]) unlike = std::max(unlike - 1, 0);
+        else if (is_second) unlike = std::max(unlike, varies_from);
+        else unlike = varies(unlike) || !has_sign ? std::min(unlike + 1, most_unlike) : 0;
+    }
+    is_compared_ = true;
+}
+
+// Whether they are infos of different devices.
+bool Device::differ(const DeviceInfo& one, const DeviceInfo& other) const noexcept {
+    const auto differences = differences_of(one, other);
+    for (std::size_t i = 0; i < unlike_.size(); ++i)
+        if (differences[i] && !varies(unlike_[i])) return true;
+    return false;
+}
+
+void Device::recognise(const DeviceInfo& info, TimePoint now) {
+    if (known_as_ && differ(*known_as_, info)) ++identity_.device;
     known_as_ = info;
-    const Hardware hardware{info.dev_id, info.hw_ver};
-    if (hardware != Hardware{}) {
-        if (hardware_ && *hardware_ != hardware && !varies) ++identity_.hardware;
-        hardware_ = hardware;
+    if (DeviceInfo hardware = hardware_of(info); hardware != DeviceInfo{}) {
+        if (hardware_ && differ(*hardware_, hardware)) ++identity_.hardware;
+        hardware_ = std::move(hardware);
     }
     identified_at_ = now;
     identified_doubts_ = doubts_;
@@ -181,7 +201,8 @@ bool Device::is_another(const Exchange& exchange) const noexcept {
 bool Device::is_in_doubt(const Exchange& exchange, TimePoint now) const noexcept {
     const bool is_of_loader = exchange.frame().id() == id_of<"firmware">;
     if (!known_as_) return exchange.needs_info() && !is_of_loader && !is_command(exchange) && !unanswered_doubts_;
-    if (has_varying_info() || (is_command(exchange) && exchange.means_present_device())) return false;
+    if (exchange.compares_info() && !is_compared_) return true;
+    if (is_command(exchange) && exchange.means_present_device()) return false;
     const bool is_first_command = is_command(exchange) && !exchange.was_sent();
     const bool was_asked = unanswered_doubts_ == doubts_ && (is_of_loader || now - unanswered_at_ <= longest_wait_before_command);
     if ((is_of_loader || is_first_command) && was_asked) return false;
@@ -194,7 +215,7 @@ bool Device::is_in_doubt(const Exchange& exchange, TimePoint now) const noexcept
 
 // A command that is repeated although nothing shows which device answered the first time.
 bool Device::may_reach_another(const Exchange& exchange) const noexcept {
-    const bool is_unknown = !known_as_ || has_varying_info();
+    const bool is_unknown = !exchange.last().is_known || has_varying_info();
     return is_unknown && is_command(exchange) && exchange.was_sent() && (exchange.last().doubts != doubts_ || is_lost_);
 }
 
@@ -224,7 +245,7 @@ void Device::identify(bool for_command) {
 }
 
 void Device::identify_for_command(TimePoint now) {
-    if (known_as_ && !has_varying_info() && !has_no_sign_since(identified_signs_, now)) identify(true);
+    if (known_as_ && !has_no_sign_since(identified_signs_, now)) identify(true);
 }
 
 void Device::not_identified(const Ended& ended, TimePoint now) {
@@ -504,7 +525,7 @@ bool Device::may_be_repeated(const Exchange& exchange, TimePoint now) const noex
 Exchange::Send Device::this_send(const Exchange& next) const noexcept {
     const std::size_t others = on_their_way();
     const bool answers = next.was_sent() && answered_at_ && *answered_at_ > next.last_sent();
-    return {sends_ + 1, window_.is_one_at_a_time() && others == 0, answers, others, doubts_};
+    return {sends_ + 1, window_.is_one_at_a_time() && others == 0, answers, others, doubts_, known_as_.has_value()};
 }
 
 FrameView Device::send(Exchanges& from, Exchanges::iterator which, TimePoint now) {

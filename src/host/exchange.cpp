@@ -14,6 +14,7 @@ Exchange::Exchange(const Request& request, std::uint8_t own, std::uint8_t device
       urgent_{request.urgent},
       of_same_{request.of_same},
       needs_info_{request.needs_info},
+      compares_info_{request.compares_info},
       present_device_{request.present_device},
       identity_{request.identity.value_or(Identity{})} {
     if (encode(frame_, own, device, request.id, request.data) == 0) return;

@@ -24,6 +24,7 @@ void Task::ask(const Request& request, TimePoint now) {
     Request meant = request;
     meant.identity = identity_;
     meant.needs_info = true;
+    meant.compares_info = compares_info_;
     meant.present_device = std::exchange(means_present_device_, false);
     if (!device_.ask(meant, *this)) finish({Ending::invalid, hex_of(device_.address()) + " has no such parameter", {}}, now);
 }

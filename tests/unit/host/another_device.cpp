@@ -517,6 +517,48 @@ TEST_F(Varying, device_info_shows_no_other_device) {
     EXPECT_EQ(acts, 1u);
 }
 
+// Only its version is a counter. The board that replaces it has another name and other hardware.
+TEST_F(Varying, device_info_shows_another_device_by_a_field_that_does_not_vary) {
+    for (const bool is_announced : {false, true})
+        for (const bool down : {false, true}) {
+            SCOPED_TRACE(std::to_string(is_announced) + std::to_string(down));
+            other.is_announced = is_announced;
+            other.link_was_down = down;
+            is_swapped = false;
+            seen = 0;
+            fake.name = "fake";
+            fake.hardware = 100;
+            before = [this](FrameView frame) -> std::optional<std::vector<Bytes>> {
+                if (is_question_for_info(frame)) ++fake.version;
+                return std::nullopt;
+            };
+            for (int i = 0; i < 3; ++i) identify();
+            ASSERT_TRUE(device.has_varying_info());
+            is_one = true;
+            ParameterApply import{device, nullptr, values(), {.also_the_same = true}};
+            run(import);
+            is_left_alone(import);
+        }
+}
+
+TEST_F(Varying, device_is_not_upgraded_in_place_of_another_one) {
+    FakeLoader loader, of_other;
+    is_one = true;
+    at_id = 0xF0;
+    after = 9;
+    other.silent = 500ms;
+    before = [&](FrameView frame) -> std::optional<std::vector<Bytes>> {
+        if (is_question_for_info(frame)) ++fake.version;
+        return is_swapped ? of_other.take(fake, frame) : loader.take(fake, frame);
+    };
+    FirmwareImage image;
+    image.bytes = Bytes(3000);
+    Firmware task{device, image};
+    run(task);
+    EXPECT_TRUE(task.is_of_another()) << task.end()->what;
+    EXPECT_EQ(of_other.infos + of_other.erases, 0u);
+}
+
 // Its telemetry begins with the operation: there may have been a pause before.
 TEST(AnotherDevice, is_not_meant_by_a_counter_in_the_device_info_behind_a_line_that_loses_frames) {
     for (const int reads : {0, 1, 2})
@@ -715,6 +757,21 @@ TEST_F(Unasked, device_receives_a_command_as_its_first_frame_and_no_repeat_after
     call.start(simulation.now);
     simulation.run(call);
     ASSERT_TRUE(call.end());
+    EXPECT_EQ(ids(), std::vector<std::uint8_t>{0xC0});
+}
+
+TEST_F(Unasked, device_that_announces_itself_gets_no_repeat) {
+    CommandCall call{device, {0, {16, 0, 2}, {}, false, "LAND"}, {}, true};
+    call.mean_present_device();
+    fake.instead = [&](FrameView frame) -> std::optional<std::vector<Bytes>> {
+        if (frame.id() != 0xC0) return std::nullopt;
+        simulation.answer_later(fake.usual(FrameView{support::frame(0xFE, 0xDC, 0xE0, {0, 0, 0})}).at(0), 500ms);
+        return std::vector<Bytes>{};
+    };
+    call.start(simulation.now);
+    simulation.run(call);
+    ASSERT_TRUE(call.end());
+    EXPECT_NE(call.end()->ending, Ending::done);
     EXPECT_EQ(ids(), std::vector<std::uint8_t>{0xC0});
 }
 

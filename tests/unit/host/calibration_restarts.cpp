@@ -33,6 +33,18 @@ TEST(CalibrationRestarts, without_any_the_device_is_cleared_once) {
     EXPECT_EQ(bench.task.restarts(), 0u);
 }
 
+// The version in its device info counts up in each answer, and nothing was asked before.
+TEST(CalibrationRestarts, are_not_meant_by_a_counter_in_the_device_info) {
+    CalibrationBench bench;
+    bench.fake.instead = [&, usual = bench.fake.instead](FrameView frame) {
+        if (is_question_for_info(frame)) ++bench.fake.version;
+        return usual(frame);
+    };
+    is_calibrated(bench);
+    EXPECT_EQ(bench.actions, (std::vector<std::uint16_t>{0x20, 0x21}));
+    EXPECT_EQ(bench.task.restarts(), 0u);
+}
+
 TEST(CalibrationRestarts, an_older_device_is_calibrated_by_scaled_values) {
     CalibrationBench bench;
     bench.make_scaled(100'000);
