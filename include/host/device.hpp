@@ -299,7 +299,7 @@ private:
         return exchange.was_sent() && heard_at_ && *heard_at_ > exchange.first_sent();
     }
     Evidence evidence_of(const Exchange& exchange) const {
-        return {exchange.sent(), round_trip_.smoothed(), is_heard_since(exchange), exchange.unfit()};
+        return {exchange.sent(), round_trip_.smoothed(), is_heard_since(exchange) || !exchange.unfit().empty(), exchange.unfit()};
     }
 
     std::uint8_t address_;

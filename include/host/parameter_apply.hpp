@@ -54,10 +54,11 @@ public:
         std::string name;
         AnyValue wanted;
         State state = State::waiting;
-        std::string what{};                  // why it failed, as a clause
-        std::optional<AnyValue> before{};    // as read first
-        std::optional<AnyValue> stored{};    // as read last
-        bool acknowledged = false;           // for `written` and `clamped`; if false, only reading back showed it
+        std::string what{};                   // why it failed, as a clause
+        std::optional<AnyValue> before{};     // as read first
+        std::optional<AnyValue> stored{};     // as read last
+        bool acknowledged = false;            // for `written` and `clamped`; if false, only reading back showed it
+        bool wrongly_acknowledged = false;    // with wrong check bytes; `what` says so
     };
 
     ParameterApply(Device& device, DescriptionCache* cache, const std::vector<std::pair<std::string, AnyValue>>& values,

@@ -105,7 +105,7 @@ private:
     std::vector<Request> writes_;
     std::size_t at_ = 0;
     std::vector<std::uint8_t> changed_;    // their numbers: stored with other values than written
-    std::size_t unacknowledged_ = 0;
+    std::size_t unacknowledged_ = 0, wrongly_acknowledged_ = 0;
     std::optional<TimePoint> begun_at_;    // this waypoint
     bool is_acknowledged_ = false;         // this waypoint
     bool is_written_again_ = false;        // this waypoint, because another value was read back

@@ -1,6 +1,7 @@
 #include <host/parameter_apply.hpp>
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 #include <variant>
 
@@ -168,6 +169,7 @@ void ParameterApply::row_ended(TimePoint now) {
         ended.what += "; " + restart + ", so what was written before that may be lost";
     row.what = ended.what;
     row.acknowledged = write_->was_acknowledged();
+    row.wrongly_acknowledged = !ended.evidence.unfit.empty();
     if (ended.ending != Ending::done) {
         row.state = State::failed;
         if (!options_.goes_on || options_.rollback || !is_refusal(*write_)) return fail(ended, now);
@@ -248,11 +250,17 @@ void ParameterApply::written_is_read(TimePoint now) {
 }
 
 void ParameterApply::finish_written(TimePoint now) {
-    std::string restart = format_restart();
+    std::string remark = format_restart();
     if (lost_ > 0)
-        restart += ": " + std::to_string(lost_) + (lost_ == 1 ? " value was lost and" : " values were lost and") +
-                   " written again";
-    finish(why_ ? failure("were not written") : End{Ending::done, std::move(restart), {}}, now);
+        remark += ": " + std::to_string(lost_) + (lost_ == 1 ? " value was lost and" : " values were lost and") +
+                  " written again";
+    const auto is_wrong = [](const Row& row) { return row.state == State::written && row.wrongly_acknowledged; };
+    if (const auto first = std::find_if(rows_.begin(), rows_.end(), is_wrong); first != rows_.end()) {
+        remark += (remark.empty() ? "" : "; ") + first->what;
+        if (const auto others = std::count_if(std::next(first), rows_.end(), is_wrong); others > 0)
+            remark += ", and " + std::to_string(others) + (others == 1 ? " other value was too" : " other values were too");
+    }
+    finish(why_ ? failure("were not written") : End{Ending::done, std::move(remark), {}}, now);
 }
 
 // In reverse order, since a parameter may depend on those before it.

@@ -207,7 +207,7 @@ void ParameterWrite::compare(TimePoint now) {
         return finish(
             {Ending::done,
              silence_ ? info_.name + " is written, but was " + fault_of(*silence_) : format_port_answer(acknowledgement_),
-             acknowledgement_},
+             silence_.value_or(acknowledgement_)},
             now);
     if (same(*stored_, *before_) && silence_)
         return finish_unacknowledged("write of " + info_.name, *silence_, now, not_accepted);

@@ -161,7 +161,7 @@ void WaypointsPut::was_read_back(const Ended& ended, TimePoint now) {
     // The device may have restarted with its old list between the write and this answer.
     if (!is_as_written && !std::exchange(is_written_again_, true)) return write_it(now);
     stored_.push_back(*stored);
-    if (!is_acknowledged_) ++unacknowledged_;
+    if (!is_acknowledged_) ++(silence_.unfit.empty() ? unacknowledged_ : wrongly_acknowledged_);
     if (!is_as_written) changed_.push_back(waypoints_[at_].num);
     ++at_;
     next(now);
@@ -184,6 +184,8 @@ void WaypointsPut::finish_stored(TimePoint now) {
     const auto add = [&](const std::string& clause) { remark += (remark.empty() ? "" : ", and ") + clause; };
     if (!changed_.empty()) add(std::to_string(changed_.size()) + " of them were stored differently (" + list_of(changed_) + ")");
     if (unacknowledged_ > 0) add(std::to_string(unacknowledged_) + " of them were not acknowledged but are stored");
+    if (wrongly_acknowledged_ > 0)
+        add(std::to_string(wrongly_acknowledged_) + " of them were acknowledged with wrong check bytes but are stored");
     if (const std::size_t wanted = wanted_count(); count_ > wanted)
         add(hex_of(device().address()) + " has " + std::to_string(count_) + ", the last " + std::to_string(count_ - wanted) +
             " are its old ones");

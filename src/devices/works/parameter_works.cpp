@@ -245,7 +245,7 @@ private:
         result["stored"] = value_json(*write_->stored(), info.type, texts());
         result["clamped"] = write_->is_clamped();
         result["acknowledged"] = write_->was_acknowledged();
-        if (end.evidence.by_port) result["note"] = end.what;
+        if (end.evidence.by_port || !end.evidence.unfit.empty()) result["note"] = end.what;
         finish(with_result(end_of(end, texts()), result));
     }
 

@@ -194,6 +194,13 @@ TEST_F(Writes, detect_a_stored_value_with_a_wrong_acknowledgement_by_reading_it_
     EXPECT_EQ(task->stored(), AnyValue{std::int64_t{200}});
     EXPECT_EQ(task->end()->what, "U8 is written, but was acknowledged with wrong check bytes (E1 31 15)");
     EXPECT_EQ(writes(), 1u);
+    ParameterApply import{device, &cache, {{"U8", std::int64_t{9}}, {"I16", std::int64_t{2}}}};
+    import.start(simulation.now);
+    simulation.run(import);
+    EXPECT_EQ(import.end()->ending, Ending::done) << import.end()->what;
+    EXPECT_TRUE(import.end()->what.starts_with("U8 is written, but was acknowledged with wrong check bytes (E1 "))
+        << import.end()->what;
+    EXPECT_TRUE(import.end()->what.ends_with("), and 1 other value was too")) << import.end()->what;
 }
 
 TEST_F(Writes, report_that_the_value_may_be_written_when_the_device_is_silent_afterwards) {
@@ -327,14 +334,20 @@ TEST_F(Writes, a_save_is_sent_once_more_at_most) {
 }
 
 TEST_F(Writes, wrong_check_bytes_end_an_action_at_once) {
-    fake.instead = [&](FrameView f) -> std::optional<std::vector<Bytes>> {
-        return std::vector<Bytes>{fake.to_host(f, 0x00, {f.id(), 1, 2})};
-    };
-    ParameterAction save{device, Action::save};
-    save.start(simulation.now);
-    EXPECT_LT(simulation.run(save), std::chrono::milliseconds{100});
-    EXPECT_EQ(save.end()->what, "0xDC acknowledged with wrong check bytes (E0 01 02): save, sent 1 time");
-    EXPECT_EQ(fake.heard.size(), 1u) << "each save wears the flash";
+    for (const Duration delay :
+         {Duration{std::chrono::milliseconds{10}}, Duration{}}) {    // also an answer at the time of the question
+        simulation.there.delay = simulation.back.delay = delay;
+        fake.heard.clear();
+        fake.instead = [&](FrameView f) -> std::optional<std::vector<Bytes>> {
+            return std::vector<Bytes>{fake.to_host(f, 0x00, {f.id(), 1, 2})};
+        };
+        ParameterAction save{device, Action::save};
+        save.start(simulation.now);
+        EXPECT_LT(simulation.run(save), std::chrono::milliseconds{100});
+        EXPECT_EQ(save.end()->what, "0xDC acknowledged with wrong check bytes (E0 01 02): save, sent 1 time");
+        const auto is_save = [](const Bytes& f) { return f[6] == 0x10; };
+        EXPECT_EQ(std::count_if(fake.heard.begin(), fake.heard.end(), is_save), 1) << "each save wears the flash";
+    }
 }
 
 // An ESP32 library acknowledges questions as well.

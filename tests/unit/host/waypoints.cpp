@@ -109,6 +109,17 @@ TEST_F(WaypointsOf, a_device_that_acknowledges_but_does_not_return_them_are_refu
     EXPECT_EQ(end.what, "0xDC acknowledged waypoint 0 but does not return it");
 }
 
+TEST_F(WaypointsOf, a_device_that_acknowledges_with_wrong_check_bytes_are_read_back_and_reported) {
+    fake.instead = [&](FrameView f) -> std::optional<std::vector<Bytes>> {
+        if (f.id() != 0x61) return std::nullopt;
+        fake.usual(f);
+        return std::vector<Bytes>{fake.to_host(f, 0x00, {0x61, 1, 2})};
+    };
+    const End end = put(route);
+    EXPECT_EQ(end.ending, Ending::done) << end.what;
+    EXPECT_EQ(end.what, "2 of them were acknowledged with wrong check bytes but are stored");
+}
+
 // It writes flash for each waypoint, and receives nothing meanwhile.
 TEST_F(WaypointsOf, a_device_that_acknowledges_3_s_late_are_still_written) {
     get();    // the round trip is known: 20 ms
