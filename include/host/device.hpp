@@ -246,7 +246,12 @@ private:
     };
     static constexpr std::size_t info_fields = 6;
     static constexpr bool varies(int unlike) noexcept { return unlike >= varies_from; }
-    static DeviceInfo hardware_of(const DeviceInfo& info) { return {.dev_id = info.dev_id, .hw_ver = info.hw_ver}; }
+    static DeviceInfo hardware_of(const DeviceInfo& info) {
+        DeviceInfo hardware;
+        hardware.dev_id = info.dev_id;
+        hardware.hw_ver = info.hw_ver;
+        return hardware;
+    }
 
     /// Asks for the device info while other requests wait for it. hear() evaluates the answer, even if another host asked for it.
     struct Identification final : Asker {
