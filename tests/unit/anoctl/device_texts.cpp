@@ -195,6 +195,9 @@ TEST(CommandValues, must_match_the_count_types_and_ranges_of_the_command) {
     EXPECT_EQ(command_values(move, {"255", "-5", "1.5"}).dump(), "[255,-5,1.5]");
     EXPECT_EQ(thrown<UsageError>([&] { command_values(move, {"1"}); }), "move takes 3 values, not 1: move u8 i16 f32");
     EXPECT_EQ(thrown<UsageError>([&] { command_values(commands[0], {"1"}); }), "land takes 0 values, not 1: land");
+    const Json seven{{"name", "seven"}, {"values", {"u64", "u8"}}};
+    EXPECT_EQ(command_values(seven, {"1.5", "2"}, true).dump(), "[1.5,2]") << "the stored type may be wrong";
+    EXPECT_NE(thrown<UsageError>([&] { command_values(seven, {"1.5", "2.5"}, true); }), "") << "only that of value type 7";
     EXPECT_EQ(thrown<UsageError>([&] { command_values(move, {"1", "x", "1"}); }), "move, value 2: 'x' is not a number");
     for (const char* wrong : {"256", "-1", "1.5"})
         EXPECT_EQ(thrown<UsageError>([&] {

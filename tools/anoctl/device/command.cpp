@@ -94,7 +94,8 @@ private:
     }
 
     Json body_of(const Json& command, const std::vector<std::string>& given) const {
-        Json body{{"values", command_values(command, given)}, {"repeat", repeat}, {"name", text_at(command, "name")}};
+        Json body{
+            {"values", command_values(command, given, !type7.empty())}, {"repeat", repeat}, {"name", text_at(command, "name")}};
         if (!type7.empty()) body["type7"] = type7;
         return body;
     }

@@ -73,16 +73,20 @@ std::string command_usage(const Json& command) {
     return text;
 }
 
-Json command_values(const Json& command, const std::vector<std::string>& words) {
+Json command_values(const Json& command, const std::vector<std::string>& words, bool states_type_7) {
     const Json& types = at(command, "values");
     if (words.size() != types.size())
         throw UsageError{text_at(command, "name") + " takes " + std::to_string(types.size()) +
                          (types.size() == 1 ? " value" : " values") + ", not " + std::to_string(words.size()) + ": " +
                          command_usage(command)};
+    const auto type_of = [&](const Json& type) {
+        const std::string name = type.is_string() ? type.get<std::string>() : "";
+        return states_type_7 && (name == "u64" || name == "f32") ? "" : name;
+    };
     Json values = Json::array();
     for (std::size_t i = 0; i < words.size(); ++i)
-        values.push_back(value_typed(words[i], types[i].is_string() ? types[i].get<std::string>() : "",
-                                     text_at(command, "name") + ", value " + std::to_string(i + 1) + ": "));
+        values.push_back(
+            value_typed(words[i], type_of(types[i]), text_at(command, "name") + ", value " + std::to_string(i + 1) + ": "));
     return values;
 }
 

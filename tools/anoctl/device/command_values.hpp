@@ -13,8 +13,9 @@ namespace anoctl {
 /// or if several have that name.
 const ano::Json& command_called(const ano::Json& commands, const std::string& word);
 
-/// The values in the types of `command`. Throws UsageError if their number is wrong, or if one is not a number or out of range.
-ano::Json command_values(const ano::Json& command, const std::vector<std::string>& words);
+/// The values in the types of `command`. `states_type_7`: the user states what value type 7 is, so `command` may show u64 for f32 and
+/// f32 for u64; the gateway checks these values. Throws UsageError if their number is wrong, or if one is not a number or out of range.
+ano::Json command_values(const ano::Json& command, const std::vector<std::string>& words, bool states_type_7 = false);
 
 /// The body for POST …/commands/by-cid: `cid` is "16,0,5"; each word is "u16:150", or only a number. Throws UsageError.
 ano::Json call_by_cid(const std::string& cid, const std::vector<std::string>& words);
