@@ -139,7 +139,7 @@ public:
     void flush_at(TimePoint at) noexcept {
         if (flush_at_ == TimePoint::min()) flush_at_ = at;
     }
-    /// An earlier request was answered now, and answers arrive in this order: this one may take `time` from now.
+    /// An earlier request was answered now, and answers arrive in this order: this one, sent once, may take `time` from now.
     void wait_from(TimePoint now, Duration time) noexcept {
         if (is_measured() && last_sent_ >= flush_at_) due_ = std::max(due_, now + time);
     }

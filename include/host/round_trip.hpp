@@ -15,7 +15,7 @@ public:
     static constexpr Duration ceiling = std::chrono::seconds{2};
     /// The minimum that is added to the mean: a USB adapter delivers received bytes only every 16 ms.
     static constexpr Duration granularity = std::chrono::milliseconds{20};
-    /// Before this many were measured a time-out is at least `first`: on a slow line a later answer may be several times as long.
+    /// Before this many were measured the first time-out of a request is at least `first`: on a slow line a later answer may be several times as long.
     static constexpr int few = 3;
     /// After this many repeated exchanges in a row, and an answer that arrived twice, one exchange is measured from its first
     /// send: if every answer takes longer than the time-out, nothing would ever be measured otherwise. If frames are lost,

@@ -331,7 +331,7 @@ TEST(CommandLine, check_and_print_config_apply_only_to_a_valid_command_line) {
     EXPECT_TRUE(line_of({"sim:fc", "--check"}).check);
     EXPECT_TRUE(line_of({"sim:fc", "--print-config"}).print_config);
     EXPECT_EQ(error_of({"sim:plane", "--check"}),
-              "anogated: LINK 'sim:plane': 'device' must be one of fc, imu, flow, radio, car, not 'plane'\n");
+              "anogated: LINK 'sim:plane': 'device' must be one of fc, imu, flow, radio, car, lx, not 'plane'\n");
 }
 
 TEST(CommandLine, has_the_same_meaning_when_printed_as_a_file) {

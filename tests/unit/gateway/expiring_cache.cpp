@@ -3,7 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <unistd.h>
+
+#include <cstdlib>
 #include <fstream>
+#include <memory>
 
 namespace expiring_cache_tests {
 
@@ -42,7 +45,18 @@ TEST(ExpiringCache, forgets_the_oldest_when_full) {
     EXPECT_NE(cache.find(999, start + 1s), nullptr);
 }
 
+/// Whether the kernel provides memory for pages that are only read, as some kernels of virtual machines do.
+bool reading_uses_memory() {
+    constexpr std::size_t size = std::size_t{33} << 20;
+    const long before = resident();
+    const std::unique_ptr<const char, decltype(&std::free)> pages{static_cast<char*>(std::calloc(size, 1)), &std::free};
+    char all = 0;
+    for (std::size_t i = 0; i < size; i += 4096) all = static_cast<char>(all | const_cast<const volatile char*>(pages.get())[i]);
+    return resident() - before > 16'000'000 || all != 0;
+}
+
 TEST(ExpiringCache, uses_no_memory_for_entries_that_were_never_stored) {
+    if (reading_uses_memory()) GTEST_SKIP() << "this kernel provides memory for pages that are only read";
     const long before = resident();
     ExpiringCache<std::array<std::uint64_t, 6>> cache{1h, 1 << 19};    // 32 MiB
     cache.put(1, {1}, start);
