@@ -49,7 +49,7 @@ TEST(ExpiringCache, forgets_the_oldest_when_full) {
 bool reading_uses_memory() {
     constexpr std::size_t size = std::size_t{33} << 20;
     const long before = resident();
-    const std::unique_ptr<const char, decltype(&std::free)> pages{static_cast<char*>(std::calloc(size, 1)), &std::free};
+    const std::unique_ptr<char, decltype(&std::free)> pages{static_cast<char*>(std::calloc(size, 1)), &std::free};
     char all = 0;
     for (std::size_t i = 0; i < size; i += 4096) all = static_cast<char>(all | const_cast<const volatile char*>(pages.get())[i]);
     return resident() - before > 16'000'000 || all != 0;
