@@ -139,10 +139,6 @@ public:
     void flush_at(TimePoint at) noexcept {
         if (flush_at_ == TimePoint::min()) flush_at_ = at;
     }
-    /// An earlier request was answered now, and answers arrive in this order: this one, sent once, may take `time` from now.
-    void wait_from(TimePoint now, Duration time) noexcept {
-        if (is_measured() && last_sent_ >= flush_at_) due_ = std::max(due_, now + time);
-    }
     /// The last frame has not left yet: its wait starts again.
     void wait_to_leave(TimePoint now) noexcept;
     /// To be called when the wait of Patience::if_heard is over. True: the wait continues, since no frame of the device was

@@ -15,8 +15,6 @@ public:
     static constexpr Duration ceiling = std::chrono::seconds{2};
     /// The minimum that is added to the mean: a USB adapter delivers received bytes only every 16 ms.
     static constexpr Duration granularity = std::chrono::milliseconds{20};
-    /// Before this many were measured the first time-out of a request is at least `first`: on a slow line a later answer may be several times as long.
-    static constexpr int few = 3;
     /// After this many repeated exchanges in a row, and an answer that arrived twice, one exchange is measured from its first
     /// send: if every answer takes longer than the time-out, nothing would ever be measured otherwise. If frames are lost,
     /// answers arrive once.
@@ -56,7 +54,6 @@ private:
     Duration least_ = Duration::max();                     // measured
     std::optional<Duration> by_itself_, behind_others_;    // smoothed
     double others_ = 0;                                    // smoothed, of behind_others_
-    int measured_ = 0;                                     // up to `few`
     int repeated_in_a_row_ = 0;
     bool doubled_ = false;    // since an exchange that was not repeated
 };

@@ -87,8 +87,6 @@ Taken Device::take(FrameView frame, TimePoint now) {
         round_trip_.answered(std::max(now - met->first_sent(), Duration{}), met->sent() > 1);
     if (met->is_measured() && met->sent() == 1) round_trip_.answered_behind(met->last().others, now - met->first_sent());
     window_.answered(met->last().alone);
-    for (Exchange& e : sent_)
-        if (e.is_on_its_way() && e.sent() == 1 && e.last().number > met->last().number) e.wait_from(now, round_trip_.time_out());
     heard_send_ = std::max(heard_send_, met->first_number());
     heard_asker_ = met->asker();
     answered_at_ = now;

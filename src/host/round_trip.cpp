@@ -9,7 +9,6 @@ void RoundTrip::answered(Duration since_first, bool repeated) noexcept {
     if (repeated && (++repeated_in_a_row_ < repeated_enough || !doubled_)) return;
     repeated_in_a_row_ = 0;
     doubled_ = false;
-    measured_ = std::min(measured_ + 1, few);
     least_ = std::min(least_, since_first);
     if (!smoothed_) {
         smoothed_ = since_first;
@@ -42,11 +41,10 @@ Duration RoundTrip::time_out() const noexcept {
 }
 
 Duration RoundTrip::time_out_after(unsigned losses, bool answers, bool by_itself) const noexcept {
-    const bool is_first = losses == 0;
     if (smoothed_ && !grows()) losses = answers && losses < losses_in_a_row ? 0 : std::min(losses, max_doublings);
     Duration time = by_itself && smoothed_ ? std::min(time_out(), first + 4 * least_) : time_out();
     for (; losses > 0 && time < ceiling; --losses) time *= 2;
-    return std::clamp(time, measured_ < few && is_first ? first : floor, ceiling);
+    return std::min(time, ceiling);
 }
 
 }    // namespace ano::host
