@@ -83,8 +83,11 @@ public:
     /// Its wire is disconnected, the channel stays open. A device that is received elsewhere then has moved; its old place is not
     /// asked.
     void went_down(ChannelId channel);
-    /// Its wire is connected again.
-    void came_up(ChannelId channel) { down_.erase(channel); }
+    /// Its wire is connected again, perhaps to nobody: its group does not choose it for what was received before.
+    void came_up(ChannelId channel) {
+        down_.erase(channel);
+        report_unreachable(link_of_[index(channel)]);
+    }
     bool are_all_down(ChannelSet channels) const noexcept { return (channels - down_).empty(); }
     /// Frames sent on this link were refused: its group uses another link until a frame is received on this one.
     void report_unreachable(LinkId link) { heard_link_[index(link)] = TimePoint::min(); }

@@ -107,9 +107,11 @@ TEST(VendorParser, of_a_simulated_device_does_not_block_reading_its_parameters) 
     Daemon daemon{ANOGATED, socket, {"--config", config}, {"STATE_DIRECTORY=" + (dir / "state")}};
     ASSERT_TRUE(daemon.until_answers());
     ASSERT_TRUE(daemon.until([](const nlohmann::json& status) { return !status.at("routes").empty(); }));
-    const auto answer = asked(socket, "GET", "/devices/0xDC/parameters");
-    EXPECT_EQ(answer.status, 200u) << answer.body;
-    EXPECT_GT(daemon.count("fc", "flush_bytes"), 0u);
+    EXPECT_TRUE(wait_until([&] {    // until one of the damaged bytes was a LEN
+        const auto answer = asked(socket, "GET", "/devices/0xDC/parameters");
+        EXPECT_EQ(answer.status, 200u) << answer.body;
+        return daemon.count("fc", "flush_bytes") > 0;
+    }));
 }
 
 }    // namespace

@@ -47,7 +47,7 @@ int connect_tcp(std::uint16_t port, const std::string& from) {
     address.sin_port = htons(port);
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     ::inet_pton(AF_INET, from.c_str(), &own.sin_addr);
-    return connect_to(address, AF_INET, &own, std::chrono::seconds{5});
+    return connect_to(address, AF_INET, &own, std::chrono::seconds{30});
 }
 
 std::string read_to_end(int fd) {

@@ -52,8 +52,22 @@ TEST_F(GroupedRouter, skips_a_member_that_is_down) {
     net->came_up(channel(1));
     expect(net.route(0, 0xFE, 0xDC), channels({1}), Via::learned);
     net->came_up(channel(2));
+    expect(net.route(0, 0xFE, 0xDC), channels({1, 2}), Via::learned);    // nothing was received since
+    net.route(2, 0xDC, 0xFE);
+    expect(net.route(0, 0xFE, 0xDC), channels({2}), Via::learned);
     net->report_unreachable(link(2));
     expect(net.route(0, 0xFE, 0xDC), channels({1, 2}), Via::learned);
+}
+
+TEST_F(GroupedRouter, a_member_that_was_disconnected_for_a_moment_is_chosen_once_it_has_received_a_frame_again) {
+    net.route(1, 0xDC, 0xFE);
+    net.now += 10ms;
+    net.route(2, 0xDC, 0xFE);
+    net->went_down(channel(2));
+    net->came_up(channel(2));
+    expect(net.route(0, 0xFE, 0xDC), channels({1}), Via::learned);
+    net.route(2, 0xDC, 0xFE);
+    expect(net.route(0, 0xFE, 0xDC), channels({2}), Via::learned);
 }
 
 TEST_F(GroupedRouter, a_member_without_a_channel_is_not_reported_as_missing_while_another_has_one) {
