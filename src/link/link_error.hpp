@@ -41,7 +41,7 @@ inline constexpr LinkErrorId link_error_ids[] = {
     {"absent", "device", "port not found; waiting for it"},
     {"in_use", "device", "another program is using it"},
     {"no_permission", "device", "permission denied"},
-    {"unusable", "device", "not a serial port, or its driver does not support the settings"},
+    {"unusable", "device", "not a device of this kind, or its driver does not support the settings"},
     {"unplugged", "device", "the device was unplugged"},
     {"nobody_there", "path", "no program has opened the other side of the pseudo-terminal"},
     {"no_interface", "interface", "network or CAN interface not found"},

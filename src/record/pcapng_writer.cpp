@@ -62,6 +62,14 @@ private:
     std::string bytes_;
 };
 
+Block begin_packet(std::uint32_t interface, std::uint64_t time_ns, std::span<const std::uint8_t> bytes) {
+    const auto size = static_cast<std::uint32_t>(bytes.size());
+    Block block{enhanced_packet};
+    block.number(interface).number(static_cast<std::uint32_t>(time_ns >> 32)).number(static_cast<std::uint32_t>(time_ns));
+    block.number(size).number(size).data(bytes);
+    return block;
+}
+
 std::uint32_t flags_of(const RecordedFrame& frame) {
     if (frame.direction != Direction::dropped) return frame.direction == Direction::in ? inbound : outbound;
     const bool came = std::any_of(std::begin(receive_counters), std::end(receive_counters),
@@ -91,28 +99,33 @@ PcapngWriter::PcapngWriter(const RecordingHead& head, std::string& out) {
     block.option(shb_userappl, text_that_fits(head.program)).end(out);
 }
 
-std::uint32_t PcapngWriter::interface_of(const RecordedFrame& frame, std::string& out) {
-    const std::string_view name = text_that_fits(frame.link);
+std::uint32_t PcapngWriter::count_packet(std::string_view link, std::string_view description, std::uint64_t time_ns,
+                                         std::string& out) {
+    const std::uint32_t number = interface_of(link, description, out);
+    ++interfaces_[number].frames;
+    interfaces_[number].last_ns = time_ns;
+    return number;
+}
+
+std::uint32_t PcapngWriter::interface_of(std::string_view link, std::string_view description, std::string& out) {
+    const std::string_view name = text_that_fits(link);
     if (const auto known = numbers_.find(name); known != numbers_.end()) return known->second;
-    append_interface(name, text_that_fits(frame.link_description), out);
+    append_interface(name, text_that_fits(description), out);
     const auto number = static_cast<std::uint32_t>(interfaces_.size());
     interfaces_.emplace_back();
     numbers_.emplace(name, number);
     return number;
 }
 
+void PcapngWriter::write_v7(ano::v7::FrameView frame, std::string_view link, Direction direction, std::uint64_t time_ns,
+                            std::string& out) {
+    Block block = begin_packet(count_packet(link, {}, time_ns, out), time_ns, frame.bytes());
+    block.option(epb_flags, direction == Direction::in ? inbound : outbound).end(out);
+}
+
 void PcapngWriter::write(const RecordedFrame& frame, std::string& out) {
-    const std::uint32_t number = interface_of(frame, out);
-    Interface& interface = interfaces_[number];
-    ++interface.frames;
-    interface.last_ns = frame.time_ns;
-    const auto bytes = frame.frame.bytes();
-    const auto size = static_cast<std::uint32_t>(bytes.size());
-    Block block{enhanced_packet};
-    block.number(number)
-        .number(static_cast<std::uint32_t>(frame.time_ns >> 32))
-        .number(static_cast<std::uint32_t>(frame.time_ns));
-    block.number(size).number(size).data(bytes);
+    const std::uint32_t number = count_packet(frame.link, frame.link_description, frame.time_ns, out);
+    Block block = begin_packet(number, frame.time_ns, frame.frame.bytes());
     block.option(epb_flags, flags_of(frame));
     if (lost_ > 0) block.option(epb_dropcount, lost_);
     if (frame.channel) block.option(epb_queue, std::uint32_t{*frame.channel});

@@ -5,6 +5,7 @@
 //          writer.write(frame, bytes); ...    // appends complete blocks, so a file may be cut after any call
 //          writer.end(bytes);
 #pragma once
+#include <ano/v7.hpp>
 #include <record/recording_writer.hpp>
 
 #include <array>
@@ -24,6 +25,8 @@ public:
 
     /// Appends a frame, preceded by its link if that is new. `peer` is written only with `channel`.
     void write(const RecordedFrame& frame, std::string& out) override;
+    /// Appends a frame of protocol version 7, which no other format can store. `direction`: in or out.
+    void write_v7(ano::v7::FrameView frame, std::string_view link, Direction direction, std::uint64_t time_ns, std::string& out);
     void write(const RecordedLoss& loss) override;
     void use(const DecodingPtr& decoding, std::string&) override { decoding_ = decoding ? decoding->text() : "{}"; }
     void flush(std::string&) override {}    // everything is appended at once
@@ -34,7 +37,9 @@ private:
         std::uint64_t frames = 0;
         std::uint64_t last_ns = 0;
     };
-    std::uint32_t interface_of(const RecordedFrame& frame, std::string& out);
+    /// The number of the interface of a packet that is written now.
+    std::uint32_t count_packet(std::string_view link, std::string_view description, std::uint64_t time_ns, std::string& out);
+    std::uint32_t interface_of(std::string_view link, std::string_view description, std::string& out);
     std::string pop_lost_names();
 
     std::vector<Interface> interfaces_;

@@ -1,6 +1,6 @@
 // The cost of a V7 frame: the parser alone, and the translation, which should cost at most 150 ns a frame. The frames are those
 // that an LX IMU sends, in its proportions (protocol-v7.md, section 3).
-#include <gateway/v7_translation.hpp>
+#include <gateway/v7_host_translation.hpp>
 
 #include <support/bytes.hpp>
 #include <support/random.hpp>
@@ -21,7 +21,9 @@ struct V7Sink final : V7Output {
     void from_device(ano::FrameView frame) override { benchmark::DoNotOptimize(frame); }
 };
 
-std::vector<Bytes> telemetry() {
+/// `make`: a frame with this id and DATA.
+template <class Make>
+std::vector<Bytes> telemetry_of(Make make) {
     struct Rate {
         std::uint8_t id;
         std::size_t size;
@@ -36,10 +38,14 @@ std::vector<Bytes> telemetry() {
         for (unsigned i = 0; i < rate.per_second; ++i) {
             Bytes data(rate.size);
             for (auto& byte : data) byte = random.byte();
-            frames.push_back(support::v7_frame(0xAF, rate.id, data));
+            frames.push_back(make(rate.id, data));
         }
     for (std::size_t i = frames.size(); i > 1; --i) std::swap(frames[i - 1], frames[random.below(i)]);
     return frames;
+}
+
+std::vector<Bytes> telemetry() {
+    return telemetry_of([](std::uint8_t id, const Bytes& data) { return support::v7_frame(0xAF, id, data); });
 }
 
 void translate_up(benchmark::State& state, const std::vector<Bytes>& frames) {
@@ -63,6 +69,17 @@ void v7_down(benchmark::State& state) {
                                     support::frame(0xDE, 0xFF, 0x34, {0, 1, 2, 0, 0}),
                                     support::frame(0xFE, 0xDD, 0xC0, {0x10, 0, 4}),
                                     support::frame(0xD2, 0xDD, 0x32, Bytes(12, 5))};
+    const ano::TimePoint now{};
+    for (auto _ : state)
+        for (const Bytes& frame : frames) translation.down(ano::FrameView{frame}, now, sink);
+    state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(frames.size()));
+}
+
+// The telemetry of a V8 device to a V7 host program.
+void v7_host_down(benchmark::State& state) {
+    V7HostTranslation translation{V7Settings{.address = 0xDD}};
+    V7Sink sink;
+    const auto frames = telemetry_of([](std::uint8_t id, const Bytes& data) { return support::frame(0xDD, 0xFE, id, data); });
     const ano::TimePoint now{};
     for (auto _ : state)
         for (const Bytes& frame : frames) translation.down(ano::FrameView{frame}, now, sink);
@@ -105,6 +122,7 @@ BENCHMARK(v7_parse);
 BENCHMARK(v7_up);
 BENCHMARK(v7_up_inertial);
 BENCHMARK(v7_down);
+BENCHMARK(v7_host_down);
 BENCHMARK(v7_request);
 
 }    // namespace

@@ -2,6 +2,7 @@
 #include <link/raw_port.hpp>
 #include <link/serial/serial_settings.hpp>
 #include <support/controlled_gateway.hpp>
+#include <support/files.hpp>
 #include <support/process.hpp>
 #include <support/pty_device.hpp>
 #include <support/udp_peer.hpp>
@@ -188,6 +189,32 @@ TEST(Terminal, shows_the_v7_frames_of_a_link_in_both_directions) {
     EXPECT_TRUE(terminal.until_says("\"direction\":\"out\"")) << terminal.output();
     EXPECT_TRUE(terminal.until_says("\"name\":\"command\"")) << terminal.output();
     terminal.end();
+}
+
+TEST(Terminal, captures_the_v7_frames_of_a_link_for_wireshark) {
+    const TempDir dir;
+    PtyDevice device{dir / "imu"};
+    UdpPeer station;
+    const std::string socket = dir / "control.sock", capture = dir / "imu.pcapng";
+    Daemon daemon{
+        ANOGATED, socket, {"serial:" + (dir / "imu") + ",protocol=v7,v7_device=0xDD", "udp-listen:127.0.0.1:0,name=ground"}};
+    ASSERT_TRUE(daemon.until_up("imu"));
+    Process terminal{ANOCTL, {"terminal", "imu", "--pcapng", capture, "--control", socket}};
+    ASSERT_TRUE(terminal.until_says("press Enter")) << terminal.output();
+    const Bytes euler = v7_frame(0xAF, 0x03, {1, 0, 2, 0, 3, 0, 1});
+    device.write(Bytes{0x00, 0xAA} + euler);
+    station.send(daemon.port("ground"), frame(0xFE, 0xDD, 0xC0, {0x10, 0, 1}));
+    ASSERT_TRUE(wait_until([&] { return !device.heard().empty(); }));
+    const auto captured = [&] { return support::file_text(capture); };
+    const auto contains = [&](const Bytes& bytes) {
+        return captured().find(std::string{bytes.begin(), bytes.end()}) != std::string::npos;
+    };
+    EXPECT_TRUE(wait_until([&] { return contains(euler) && contains(device.heard()); }));
+    terminal.end();
+    EXPECT_EQ(captured().find("dropped"), std::string::npos);
+    Process again{ANOCTL, {"terminal", "imu", "--pcapng", capture, "--control", socket}};
+    EXPECT_EQ(again.wait(), 2);
+    EXPECT_NE(again.output().find("already exists; use --force"), std::string::npos) << again.output();
 }
 
 TEST(Terminal, escapes_received_lines_sends_lines_and_releases_the_link_when_it_is_killed) {

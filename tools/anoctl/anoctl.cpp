@@ -33,7 +33,8 @@ std::span<const Subcommand> subcommands() noexcept {
         {"monitor", "Show the frames of the running gateway, or of a link", add_monitor, "Watching",
          "  anoctl monitor --id euler inertial\n  anoctl monitor --direction dropped          dropped frames, and why\n  anoctl "
          "monitor serial:/dev/ttyUSB0,baud=500000     without a gateway\n"},
-        {"ports", "Show serial ports and CAN interfaces, and the programs that use them; detect the baud rate of a device",
+        {"ports",
+         "Show serial ports, HID devices and CAN interfaces, and the programs that use them; detect the baud rate of a device",
          add_ports, "Gateway", "  anoctl ports\n"},
         {"setup", "Set up the service: port, baud rate, configuration, start, page; ask before each step", add_setup, "Gateway",
          "  sudo anoctl setup\n  sudo anoctl setup /dev/ttyUSB0 --yes\n"},

@@ -1,4 +1,5 @@
 // anoctl terminal LINK: shows the raw bytes of a link of the gateway in both directions, and sends typed lines.
+#include <anoctl/recording/v7_capture.hpp>
 #include <anoctl/text/frame_printer.hpp>
 #include <anoctl/text/gateway_json.hpp>
 #include <anoctl/text/raw_text.hpp>
@@ -92,6 +93,8 @@ struct TerminalOptions {
     std::string link;
     bool hex = false, exclusive = false, json = false;
     bool v7 = false;                          // shows frames of protocol version 7 instead of text
+    std::string pcapng;                       // writes them to this file instead; "-": standard output
+    bool force = false;                       // may overwrite it
     std::optional<ano::Encoding> encoding;    // std::nullopt: the encoding of the link
     std::string line_end = "\r\n";
     GatewayOptions gateway;
@@ -110,7 +113,9 @@ public:
         : options_{options},
           streams_{streams},
           text_{{options.hex, options.encoding.value_or(ano::Encoding::utf8)}},
-          printer_{streams, printing(options)} {}
+          printer_{streams, printing(options)} {
+        if (!options.pcapng.empty()) capture_.emplace(options.pcapng, options.force, options.link, streams);
+    }
 
     int run() {
         asio::signal_set signals{io_, SIGINT, SIGTERM};
@@ -131,6 +136,7 @@ public:
         client.cancel();
         show_unfinished();
         streams_.out.flush();
+        if (capture_ && !capture_->fault().empty()) throw Failure{options_.pcapng + ": cannot write: " + capture_->fault()};
         if (!outcome) return fine;
         if (outcome->answer.status != 101)
             throw Failure{outcome->answer.status == 0 ? outcome->fault : format_failure(outcome->answer)};
@@ -195,11 +201,11 @@ private:
         if (message.size() < head) return;
         std::uint64_t ns = 0;
         for (std::size_t i = 8; i > 0; --i) ns = ns << 8 | static_cast<std::uint8_t>(message[i]);
-        const std::uint64_t us = ns / 1000;
-        const double time = static_cast<double>(us) / 1e6;
+        const double time = seconds_of(ns);
         const char direction = message[0];
         message.remove_prefix(head);
-        if (options_.v7) return show_v7(direction == '<' ? "in" : "out", time, message);
+        if (options_.v7 || capture_)
+            return show_v7(direction == '<' ? anogate::Direction::in : anogate::Direction::out, ns, message);
         if (!options_.json) return show(text_.add(direction, time, message, ano::Clock::now()));
         const std::span<const std::uint8_t> bytes{reinterpret_cast<const std::uint8_t*>(message.data()), message.size()};
         streams_.out << ano::json_text(nlohmann::ordered_json{{"time", time},
@@ -208,17 +214,28 @@ private:
                                                               {"text", ano::to_utf8(bytes, encoding_)}})
                      << '\n';
     }
-    void show_v7(const char* direction, double time, std::string_view bytes) {
-        ano::v7::FrameParser& parser = direction == std::string_view{"in"} ? received_ : sent_;
+    // Rounded to microseconds.
+    static double seconds_of(std::uint64_t ns) {
+        const std::uint64_t us = ns / 1000;
+        return static_cast<double>(us) / 1e6;
+    }
+    void show_v7(anogate::Direction direction, std::uint64_t ns, std::string_view bytes) {
+        ano::v7::FrameParser& parser = direction == anogate::Direction::in ? received_ : sent_;
         while (!bytes.empty()) {
             const auto room = parser.prepare();
             const std::size_t n = std::min(room.size(), bytes.size());
             std::copy_n(bytes.begin(), n, room.begin());
             parser.commit(n, ano::Clock::now());
             bytes.remove_prefix(n);
-            while (const auto frame = parser.next())
-                printer_.print(*frame, {.link = options_.link, .time = time, .direction = direction});
+            while (const auto frame = parser.next()) {
+                if (capture_) capture_->add(*frame, direction, ns);
+                else
+                    printer_.print(
+                        *frame,
+                        {.link = options_.link, .time = seconds_of(ns), .direction = std::string{anogate::text(direction)}});
+            }
         }
+        if (capture_ && !capture_->fault().empty()) io_.stop();
     }
     void send(const std::string& line) {
         if (!socket_) return;
@@ -259,6 +276,7 @@ private:
     RawText text_;
     ano::v7::FrameParser received_{{}}, sent_{{}};
     FramePrinter printer_;
+    std::optional<V7Capture> capture_;
     ano::Encoding encoding_ = ano::Encoding::utf8;
     asio::io_context io_{1};
     asio::steady_timer unfinished_{io_};
@@ -282,6 +300,13 @@ Run add_terminal(Options& options) {
     options.push_back({"--hex", &self->hex, "", "Show hex digits, and send lines of hex digits"});
     options.push_back(
         {"--v7", &self->v7, "", "Show the frames of protocol version 7 in the bytes, and nothing else", false, {"--hex"}});
+    options.push_back({"--pcapng",
+                       &self->pcapng,
+                       "FILE",
+                       "Write the frames of protocol version 7 to this file, for Wireshark; -: standard output",
+                       false,
+                       {"--hex", "--json"}});
+    options.push_back({"--force", &self->force, "", "Overwrite an existing file"});
     options.push_back({"--encoding", Option::Read{[self](const std::string& word) -> std::string {
                            if (word != "utf8" && word != "gbk") return ano::in_quotes(word) + " is not utf8 or gbk";
                            self->encoding = word == "gbk" ? ano::Encoding::gbk : ano::Encoding::utf8;

@@ -1,6 +1,7 @@
 #include <config/key_rows.hpp>
 #include <config/link_kind.hpp>
 #include <config/unlikely.hpp>
+#include <link/device_error.hpp>
 #include <link/make_link.hpp>
 #include <link/serial/port_identity.hpp>
 #include <link/serial/serial_link.hpp>
@@ -8,24 +9,16 @@
 #include <link/serial/termios.hpp>
 #include <link/v7_keys.hpp>
 #include <sys/device_holder.hpp>
-#include <sys/device_permission.hpp>
-#include <sys/errors.hpp>
 
 #include <algorithm>
-#include <filesystem>
+#include <cerrno>
 #include <limits>
-#include <system_error>
 
 #include <fcntl.h>
 #include <sys/file.h>
 
 namespace anogate {
 namespace {
-
-std::string busy_text(const std::string& device) {
-    const auto holder = device_holder(device);
-    return device + " is in use by " + (holder ? holder->text() : "another program");
-}
 
 /// The error for an absent port, with a suggestion for "ttyUSB0" and "/dev/ttyUSB0:115200", the forms of other programs.
 std::string absent_text(const std::string& device) {
@@ -36,28 +29,6 @@ std::string absent_text(const std::string& device) {
     if (meant.empty() && !baud) return device + " not found";
     meant += baud ? device.substr(0, colon) + ",baud=" + device.substr(colon + 1) : device;
     return device + " not found (did you mean " + meant + "?)";
-}
-
-std::string not_permitted_text(const std::string& device) {
-    std::error_code ec;
-    const std::string real = std::filesystem::canonical(device, ec).string();
-    const std::string missing = ec ? std::string{} : missing_permission("/", real, DeviceUser::this_process());
-    return device + ": no permission" + (missing.empty() ? "" : ": " + missing);
-}
-
-LinkError port_error(std::string_view id, std::string text, const std::string& device) {
-    return {id, std::move(text), {{"device", device}}};
-}
-
-LinkError open_error(const std::string& device, int error) {
-    switch (error) {
-    case ENOENT:
-    case ENXIO:
-    case ENODEV: return port_error("absent", absent_text(device), device);
-    case EBUSY: return port_error("in_use", busy_text(device), device);
-    case EACCES: return port_error("no_permission", not_permitted_text(device), device);
-    default: return error_text(device, error);
-    }
 }
 
 // The other program did not lock the port: each received byte goes to only one of the two.
@@ -80,10 +51,9 @@ LinkError of_other_adapter(const std::string& device, const SocketWatch& socket)
 Opened<UniqueFd> SerialLink::open_port() {
     const std::string& device = settings().as<SerialSettings>().device;
     UniqueFd fd{::open(device.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC)};
-    if (!fd) return NotOpened{open_error(device, errno)};
+    if (!fd) return NotOpened{device_not_opened(device, errno, absent_text(device))};
     // Two locks: flock() for programs that use it; TIOCEXCL for all others except root's, where the kernel removes it with us.
-    if (::flock(fd.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
-        return NotOpened{port_error("in_use", busy_text(device), device)};
+    if (::flock(fd.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) return NotOpened{device_in_use(device)};
     return fd;
 }
 
@@ -97,7 +67,7 @@ Opened<UniqueFd> SerialLink::open_wire() {
     terminal::claim(fd->get());
     if (auto ready = make_ready(fd->get(), is_stored); !ready) {
         terminal::release_exclusive(fd->get());
-        return NotOpened{port_error("unusable", device + ": " + ready.error(), device)};
+        return NotOpened{device_error("unusable", device + ": " + ready.error(), device)};
     }
     if (is_stored) go_on_from(std::move(*stored));
     else terminal::discard_input(fd->get());
@@ -155,12 +125,7 @@ ssize_t SerialLink::write_some(std::span<const iovec> pieces) {
     return n;
 }
 
-LinkError SerialLink::why_gone(int error) const {
-    const std::string& device = settings().as<SerialSettings>().device;
-    if (error == 0 || error == EIO || error == ENXIO || error == ENODEV)
-        return port_error("unplugged", device + " was unplugged", device);
-    return error_text(device, error);
-}
+LinkError SerialLink::why_gone(int error) const { return device_gone(settings().as<SerialSettings>().device, error); }
 
 std::size_t SerialLink::unsent() const {
     if (wire_ < 0) return 0;
@@ -235,6 +200,7 @@ std::optional<SharedByTwo> shared_port(const LinkSettings& a, const LinkSettings
 }
 
 std::string meant_port(std::string_view text) {
+    if (text.starts_with("/dev/hidraw")) return "";
     if (text.starts_with('/')) return "'serial:" + std::string{text} + "'";
     return text.substr(0, text.find(',')).starts_with("tty") ? "'serial:/dev/" + std::string{text} + "'" : "";
 }

@@ -43,6 +43,7 @@ export const hints: Record<string, string> = {
   silent: "已有 {seconds} 秒没有收到帧",
   recording_ended: "录制已回放完毕",
   nothing_on_bus: "尚未收到数据：请检查波特率和终端电阻，并确认各节点的 base 一致",
+  nothing_from_device: "尚未收到数据：请确认设备已上电",
   nothing_on_line: "尚未收到数据：请确认设备已上电，且 RX 和 TX 已交叉连接",
   nothing_from_peer: "尚未收到对端的数据",
 };
@@ -125,6 +126,8 @@ export const causes: Record<string, [string, string]> = {
   kernel_drops: ["received faster than they were read: dropped by the kernel", "到达太快，来不及读取，被内核丢弃"],
   refused: ["nothing listens on the peer's port", "对端的端口上没有程序监听"],
   transfer_errors: ["aborted ISO-TP transfers", "中断的 ISO-TP 传输"],
+  bad_reports: ["reports of the device had an impossible first byte", "设备的报告首字节不合理"],
+  failed_reports: ["the device did not take reports", "设备没有接收报告"],
   kept_back_of_hosts: ["not replayed: frames sent by ground stations", "不回放：上位机发送的帧"],
   kept_back_commands: ["not replayed: frames that command or modify a vehicle", "不回放：控制或修改飞行器的帧"],
   kept_back_tunnels: ["not replayed: tunnel frames that contain such frames", "不回放：含有这类帧的隧道帧"],

@@ -14,6 +14,7 @@
 
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -320,6 +321,30 @@ TEST(Ports, as_json_are_one_object_per_line) {
     EXPECT_EQ(can["interface"], "can0");
     EXPECT_EQ(can["driver"], "gs_usb");
     EXPECT_EQ(can["up"], true);
+}
+
+TEST(Ports, of_hid_devices_are_shown_with_the_link) {
+    Computer computer;
+    const std::string stream{"\x06\0\xFF\x09\x01\xA1\x01\x75\x08\x95\x40\x09\x02\x81\x02\x09\x03\x91\x02\xC0", 20};
+    const auto add = [&](const std::string& name, const std::string& id, const std::string& descriptor) {
+        computer.file("sys/class/hidraw/" + name + "/device/uevent", "HID_ID=0003:" + id + "\nHID_NAME=ANO Radio");
+        std::ofstream{computer.root() / "sys/class/hidraw" / name / "device/report_descriptor"} << descriptor;
+        computer.file("dev/" + name, "");
+    };
+    add("hidraw0", "0000046D:0000C31C", stream);    // of another manufacturer
+    add("hidraw1", "00000483:0000A005", stream);
+    add("hidraw2", "000066CC:00000001", stream);
+    add("hidraw3", "000066CC:00000001", stream);
+    add("hidraw4", "000066CC:00000002", "");
+    EXPECT_EQ(computer.shown(administrator),
+              "/dev/hidraw1 HID ANO Radio (0483:A005)\n    link: hid:0483:A005\n"
+              "/dev/hidraw2 HID ANO Radio (66CC:0001)\n    link: hid:/dev/hidraw2\n"
+              "/dev/hidraw3 HID ANO Radio (66CC:0001)\n    link: hid:/dev/hidraw3\n"
+              "/dev/hidraw4 HID ANO Radio (66CC:0002)\n    carries no byte stream\nno CAN interface found\n");
+    const auto json = nlohmann::json::parse(lines_of(computer.shown(administrator, true)).at(0));
+    EXPECT_EQ(json["kind"], "hid");
+    EXPECT_EQ(json["link"], "hid:0483:A005");
+    EXPECT_TRUE(json["permission"].get<bool>()) << json;
 }
 
 TEST(Ports, of_can_are_shown_with_the_command_that_brings_them_up) {

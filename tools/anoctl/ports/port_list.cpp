@@ -1,5 +1,6 @@
 #include "port_list.hpp"
 
+#include <link/hid/hid_device.hpp>
 #include <link/serial/port_identity.hpp>
 
 #include <linux/if_arp.h>
@@ -188,6 +189,32 @@ std::vector<SerialPort> serial_ports(const fs::path& root, const anogate::Device
     add_holders(root, devices);
     for (SerialPort& port : ports) port.holders = devices[port.device];
     std::sort(ports.begin(), ports.end(), [](const auto& a, const auto& b) { return in_order(a.device) < in_order(b.device); });
+    return ports;
+}
+
+std::vector<HidPort> hid_ports(const fs::path& root, const anogate::DeviceUser& asker) {
+    std::vector<HidPort> ports;
+    HoldersByDevice devices;
+    for (const anogate::hid::Device& device : anogate::hid::devices(root)) {
+        const auto is_of = [&](const anogate::hid::UsbId& id) { return id.matches(device.id); };
+        if (std::none_of(std::begin(anogate::hid::ano_ids), std::end(anogate::hid::ano_ids), is_of)) continue;
+        std::array<char, 16> usb{};
+        std::snprintf(usb.data(), usb.size(), "%04X:%04X", device.id.vendor, device.id.product.value_or(0));
+        devices[device.path];
+        ports.push_back({device.path,
+                         device.name,
+                         usb.data(),
+                         device.reports.has_value(),
+                         false,
+                         {},
+                         anogate::missing_permission(root, device.path, asker)});
+    }
+    add_holders(root, devices);
+    for (HidPort& port : ports) {
+        port.holders = devices[port.device];
+        port.is_one_of_many = std::count_if(ports.begin(), ports.end(),
+                                            [&](const HidPort& other) { return other.usb == port.usb; }) > 1;
+    }
     return ports;
 }
 

@@ -1,4 +1,4 @@
-// The serial ports and CAN interfaces of a computer, read from its file system.
+// The serial ports, HID devices of ANO and CAN interfaces of a computer, read from its file system.
 #pragma once
 #include <sys/device_permission.hpp>
 
@@ -26,6 +26,17 @@ struct SerialPort {
     std::string missing;    // the permission that `asker` lacks, and how to get it; empty: none
 };
 
+/// One of ANO's devices of class HID.
+struct HidPort {
+    std::string device;             // "/dev/hidraw0"
+    std::string product;            // unchecked
+    std::string usb;                // "0483:A005"
+    bool carries_stream = false;    // otherwise no link can use it
+    bool is_one_of_many = false;    // another one has the same id, so that only `device` distinguishes them
+    std::vector<Holder> holders;
+    std::string missing;    // as of a SerialPort
+};
+
 struct CanInterface {
     std::string name;      // "can0"
     std::string driver;    // "gs_usb"; empty: virtual interface
@@ -34,6 +45,7 @@ struct CanInterface {
 
 /// `root` is "/", or a folder with the same structure. Values that can't be read are empty.
 std::vector<SerialPort> serial_ports(const std::filesystem::path& root, const anogate::DeviceUser& asker);
+std::vector<HidPort> hid_ports(const std::filesystem::path& root, const anogate::DeviceUser& asker);
 std::vector<CanInterface> can_interfaces(const std::filesystem::path& root);
 
 /// The processes that have `device` (not a symbolic link) open or hold its lock. Locks are visible to every user, open files only

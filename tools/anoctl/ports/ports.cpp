@@ -1,4 +1,4 @@
-// anoctl ports: lists the serial ports and CAN interfaces.
+// anoctl ports: lists the serial ports, HID devices of ANO and CAN interfaces.
 #include "ports.hpp"
 #include <anoctl/anoctl.hpp>
 #include "can_figures.hpp"
@@ -49,6 +49,15 @@ std::string safe(const std::string& text) {
     return out;
 }
 
+template <class Port>
+std::string users_and_permission(const Port& port) {
+    std::string all;
+    for (const Holder& h : port.holders)
+        all += paragraph("in use by " + safe(h.program) + " (pid " + std::to_string(h.pid) + ")", 4);
+    if (!port.missing.empty()) all += paragraph("permission denied: " + port.missing, 4);
+    return all;
+}
+
 std::string format_port(const SerialPort& port) {
     std::string first = port.device + "  " + (port.driver.empty() ? "no driver" : port.driver);
     if (!port.product.empty()) first += "  " + safe(port.product);
@@ -60,15 +69,17 @@ std::string format_port(const SerialPort& port) {
             "named by USB socket: the adapter has no unique serial number, so its name in by-id can refer to another adapter "
             "after replugging",
             4);
-    for (const Holder& h : port.holders)
-        all += paragraph("in use by " + safe(h.program) + " (pid " + std::to_string(h.pid) + ")", 4);
-    if (!port.missing.empty()) all += paragraph("permission denied: " + port.missing, 4);
-    return all;
+    return all + users_and_permission(port);
+}
+
+template <class Port>
+Json holders_json(const Port& port) {
+    Json holders = Json::array();
+    for (const Holder& h : port.holders) holders.push_back({{"pid", h.pid}, {"program", safe(h.program)}});
+    return holders;
 }
 
 Json as_json(const SerialPort& port) {
-    Json holders = Json::array();
-    for (const Holder& h : port.holders) holders.push_back({{"pid", h.pid}, {"program", safe(h.program)}});
     return {{"kind", "serial"},
             {"device", port.device},
             {"stable", safe(port.stable)},
@@ -76,7 +87,28 @@ Json as_json(const SerialPort& port) {
             {"driver", port.driver},
             {"usb", port.usb},
             {"product", safe(port.product)},
-            {"holders", holders},
+            {"holders", holders_json(port)},
+            {"permission", port.missing.empty()},
+            {"missing", port.missing}};
+}
+
+/// The LINK for a device: by its id, which replugging does not change, unless another device has the same.
+std::string link_of(const HidPort& port) { return "hid:" + (port.is_one_of_many ? port.device : port.usb); }
+
+std::string format_port(const HidPort& port) {
+    std::string all = paragraph(port.device + "  HID  " + safe(port.product) + "  (" + port.usb + ")", 0);
+    if (port.carries_stream) all += paragraph("link: " + link_of(port), 4);
+    else all += paragraph("carries no byte stream", 4);
+    return all + users_and_permission(port);
+}
+
+Json as_json(const HidPort& port) {
+    return {{"kind", "hid"},
+            {"device", port.device},
+            {"link", port.carries_stream ? Json(link_of(port)) : Json()},
+            {"usb", port.usb},
+            {"product", safe(port.product)},
+            {"holders", holders_json(port)},
             {"permission", port.missing.empty()},
             {"missing", port.missing}};
 }
@@ -111,6 +143,11 @@ void write_ports(const std::filesystem::path& root, const anogate::DeviceUser& a
         if (json) out << ano::json_text(as_json(port)) << '\n';
         else out << format_port(port);
     }
+    const auto hid = hid_ports(root, asker);
+    for (const HidPort& port : hid) {
+        if (json) out << ano::json_text(as_json(port)) << '\n';
+        else out << format_port(port);
+    }
     const auto can = can_interfaces(root);
     for (const CanInterface& interface : can) {
         const CanFigures figures = root == "/" ? can_figures(interface.name) : CanFigures{};
@@ -118,7 +155,7 @@ void write_ports(const std::filesystem::path& root, const anogate::DeviceUser& a
         else out << format_port(interface, figures);
     }
     if (json) return;
-    if (serial.empty())
+    if (serial.empty() && hid.empty())
         out << paragraph("no serial port found; check that the adapter is plugged in (kernel messages: sudo dmesg)", 0);
     if (can.empty()) out << "no CAN interface found\n";
     if (asker.uid != 0 && !serial.empty())

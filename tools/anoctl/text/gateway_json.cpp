@@ -156,19 +156,11 @@ const std::vector<std::string>& drop_causes(bool is_alone) {
 }
 const std::vector<std::string>& counts_of_kinds() {
     static const std::vector<std::string> names = [] {
-        std::vector<std::string> all{"refused",
-                                     "kernel_drops",
-                                     "transfer_errors",
-                                     "wrong_source",
-                                     "error_frames",
-                                     "errors_tx_timeout",
-                                     "errors_lost_arbitration",
-                                     "errors_protocol",
-                                     "errors_transceiver",
-                                     "errors_no_ack",
-                                     "errors_bus",
-                                     "kept_back_of_hosts",
-                                     "kept_back_commands",
+        std::vector<std::string> all{"refused",          "kernel_drops",       "bad_reports",
+                                     "failed_reports",   "transfer_errors",    "wrong_source",
+                                     "error_frames",     "errors_tx_timeout",  "errors_lost_arbitration",
+                                     "errors_protocol",  "errors_transceiver", "errors_no_ack",
+                                     "errors_bus",       "kept_back_of_hosts", "kept_back_commands",
                                      "kept_back_tunnels"};
         const auto v7 = names_of(anogate::v7_counters, [](const auto& row) { return row.is_drop; });
         all.insert(all.end(), v7.begin(), v7.end());

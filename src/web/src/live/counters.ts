@@ -10,7 +10,7 @@ export interface Counters {
 const losses: ReadonlySet<string> = new Set([
   "bad_check", "bad_length", "expired", "denied_in", "inhibited", "looped", "duplicate", "no_route", "over_share", "suspended",
   "superseded", "queue_full", "stale", "limited", "denied_out", "link_down", "too_big", "send_failed", "held_back",
-  "kernel_drops", "refused", "transfer_errors", // of some kinds of links; wrong_source is already counted in denied_in
+  "kernel_drops", "refused", "transfer_errors", "bad_reports", "failed_reports", // of some kinds of links; wrong_source is already counted in denied_in
   "v7_up_no_counterpart", "v7_up_no_address", "v7_up_malformed", "v7_up_unrepresentable", "v7_up_unmatched",
   "v7_up_own_sensor", "v7_up_erase", "v7_up_queue_full", "v7_down_other_device",
   "v7_down_no_counterpart", "v7_down_own_sensor", "v7_down_erase", "v7_down_not_allowed", "v7_down_malformed", "v7_down_too_big",
