@@ -60,13 +60,11 @@ private:
 
     // to the host program
     std::uint8_t receiver(std::uint8_t v8_destination) const noexcept;
-    void send_down(std::uint8_t v8_destination, std::uint8_t id, Data data, V7Output& output);
+    void send_down(std::uint8_t v8_destination, std::uint8_t id, Data data, V7Output& output) override;
     void rebuild_down(ano::FrameView frame, ano::TimePoint now, V7Output& output);
     void inertial_down(std::uint8_t to, Data data, V7Output& output);
     void compass_down(std::uint8_t to, Data data, ano::TimePoint now, V7Output& output);
     void altitude_down(std::uint8_t to, Data data, ano::TimePoint now, V7Output& output);
-    void ranging_down(std::uint8_t to, Data data, V7Output& output);
-    void log_value_down(std::uint8_t to, Data data, V7Output& output);
     void check_down(Data data, ano::TimePoint now, V7Output& output);
     void description_down(Data data, ano::TimePoint now, V7Output& output);
     void value_down(Data data, ano::TimePoint now, V7Output& output);

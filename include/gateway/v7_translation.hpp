@@ -240,6 +240,12 @@ protected:
     std::uint8_t source_of(std::uint8_t v7_id, std::uint8_t usual) const noexcept;
     /// `data` may be at its place in v8_ already, where the frame is then.
     ano::FrameView send_up(std::uint8_t source, std::uint8_t destination, std::uint8_t id, Data data, V7Output& output);
+    /// Sends a frame on the link; its receiver in V7 depends on that in V8.
+    virtual void send_down(std::uint8_t v8_destination, std::uint8_t id, Data data, V7Output& output) = 0;
+    // DATA of V8 in the layout of V7, or in several frames
+    void position_down(std::uint8_t v8_destination, Data data, V7Output& output);
+    void ranging_down(std::uint8_t v8_destination, Data data, V7Output& output);
+    void log_value_down(std::uint8_t v8_destination, Data data, V7Output& output);
 
     V7Settings settings_;
     V7Acceleration acc_;
@@ -254,7 +260,7 @@ protected:
 ///
 /// Requests for data (parameters, waypoints) and writes are sent one at a time: the next is sent when the device answered or did
 /// not answer in time. Requests for data are repeated, and all are sent again when their host repeats them. A command (0xC0) is sent
-/// at once, exactly as often as its host sent it, so that an emergency stop waits for nothing.
+/// at once, exactly as often as its host sent it, so that nothing delays an emergency stop.
 class V7Translation final : public V7LinkTranslation {
 public:
     /// A request that its host repeats is sent again if the last one was sent this long ago, as often as an LX MCU repeats its own;
@@ -312,10 +318,7 @@ private:
 
     // down: each function that sends to the device ends in send_down()
     void send_down(Data frame, V7Output& output);
-    void send_down(std::uint8_t asked, std::uint8_t id, Data data, V7Output& output);
-    void position_down(std::uint8_t asked, Data data, V7Output& output);
-    void log_value_down(std::uint8_t asked, Data data, V7Output& output);
-    void ranging_down(std::uint8_t asked, Data data, V7Output& output);
+    void send_down(std::uint8_t v8_destination, std::uint8_t id, Data data, V7Output& output) override;
     void check_down(Data data, ano::TimePoint now, V7Output& output);
     void command_down(const Origin& origin, Data data, ano::TimePoint now, V7Output& output);
     void waypoint_down(const Origin& origin, Data data, ano::TimePoint now, V7Output& output);

@@ -183,12 +183,7 @@ void V7HostTranslation::rebuild_down(ano::FrameView frame, ano::TimePoint now, V
         return send_down(to, id, mode, output);
     }
     case 0x08: return size < 8 ? drop(&V7Counters::down_malformed) : send_down(to, id, data.first(8), output);
-    case 0x32: {
-        std::array<std::uint8_t, 12> cm;
-        if (size < cm.size()) return drop(&V7Counters::down_malformed);
-        positions_in_cm(data.data(), cm.data());
-        return send_down(to, id, cm, output);
-    }
+    case 0x32: return position_down(to, data, output);
     case 0x34: return size == 7 ? send_down(to, id, data, output) : ranging_down(to, data, output);
     case 0xA1: return log_value_down(to, data, output);
     case 0xE0: return drop(&V7Counters::down_no_counterpart);
@@ -223,27 +218,6 @@ void V7HostTranslation::altitude_down(std::uint8_t to, Data data, ano::TimePoint
     std::copy_n(data.begin() + 4, 4, v7_data.begin() + 4);
     v7_data[8] = data[12];
     send_down(to, 0x05, v7_data, output);
-}
-
-void V7HostTranslation::ranging_down(std::uint8_t to, Data data, V7Output& output) {
-    if (data.size() < 5) return drop(&V7Counters::down_malformed);
-    const auto send = [&](const V7Distance& distance) {
-        std::array<std::uint8_t, 7> v7_data;
-        distance.store(v7_data.data());
-        send_down(to, 0x34, v7_data, output);
-    };
-    for_each_distance(range_, data, send, [&] { drop(&V7Counters::down_unrepresentable); });
-}
-
-void V7HostTranslation::log_value_down(std::uint8_t to, Data data, V7Output& output) {
-    if (data.size() < 4) return drop(&V7Counters::down_malformed);
-    if (data.size() > settings_.max_data) return drop(&V7Counters::down_too_big);
-    const auto value = log_value_in_v7(data.data());
-    if (!value) return drop(&V7Counters::down_unrepresentable);
-    std::array<std::uint8_t, v7::max_len> changed;
-    std::copy(data.begin(), data.end(), changed.begin());
-    ano::store(changed.data(), *value);
-    send_down(to, 0xA1, Data{changed}.first(data.size()), output);
 }
 
 void V7HostTranslation::check_down(Data data, ano::TimePoint now, V7Output& output) {

@@ -49,6 +49,34 @@ ano::FrameView V7LinkTranslation::send_up(std::uint8_t source, std::uint8_t dest
     return ano::FrameView{frame};
 }
 
+void V7LinkTranslation::position_down(std::uint8_t v8_destination, Data data, V7Output& output) {
+    if (data.size() < 12) return drop(&V7Counters::down_malformed);
+    std::array<std::uint8_t, 12> cm;
+    positions_in_cm(data.data(), cm.data());
+    send_down(v8_destination, 0x32, cm, output);
+}
+
+void V7LinkTranslation::log_value_down(std::uint8_t v8_destination, Data data, V7Output& output) {
+    if (data.size() < 4) return drop(&V7Counters::down_malformed);
+    if (data.size() > settings_.max_data) return drop(&V7Counters::down_too_big);
+    const auto value = log_value_in_v7(data.data());
+    if (!value) return drop(&V7Counters::down_unrepresentable);
+    std::array<std::uint8_t, v7::max_len> changed;
+    std::copy(data.begin(), data.end(), changed.begin());
+    ano::store(changed.data(), *value);
+    send_down(v8_destination, 0xA1, Data{changed}.first(data.size()), output);
+}
+
+void V7LinkTranslation::ranging_down(std::uint8_t v8_destination, Data data, V7Output& output) {
+    if (data.size() < 5) return drop(&V7Counters::down_malformed);
+    const auto send = [&](const V7Distance& distance) {
+        std::array<std::uint8_t, 7> v7_data;
+        distance.store(v7_data.data());
+        send_down(v8_destination, 0x34, v7_data, output);
+    };
+    for_each_distance(range_, data, send, [&] { drop(&V7Counters::down_unrepresentable); });
+}
+
 void V7LinkTranslation::ExpectedAcks::add(const Expected& expected) noexcept {
     all[next] = expected;
     next = (next + 1) % all.size();

@@ -84,37 +84,9 @@ void V7Translation::send_down(Data bytes, V7Output& output) {
     output.to_device(frame);
 }
 
-void V7Translation::send_down(std::uint8_t asked, std::uint8_t id, Data data, V7Output& output) {
+void V7Translation::send_down(std::uint8_t v8_destination, std::uint8_t id, Data data, V7Output& output) {
     if (data.size() > settings_.max_data) return drop(&V7Counters::down_too_big);
-    send_down(Data{v7_}.first(v7::encode(v7_, receiver(asked, id), id, data)), output);
-}
-
-void V7Translation::position_down(std::uint8_t asked, Data data, V7Output& output) {
-    if (data.size() < 12) return drop(&V7Counters::down_malformed);
-    std::array<std::uint8_t, 12> cm;
-    positions_in_cm(data.data(), cm.data());
-    send_down(asked, 0x32, cm, output);
-}
-
-void V7Translation::log_value_down(std::uint8_t asked, Data data, V7Output& output) {
-    if (data.size() < 4) return drop(&V7Counters::down_malformed);
-    if (data.size() > settings_.max_data) return drop(&V7Counters::down_too_big);
-    const auto value = log_value_in_v7(data.data());
-    if (!value) return drop(&V7Counters::down_unrepresentable);
-    std::array<std::uint8_t, v7::max_len> changed;
-    std::copy(data.begin(), data.end(), changed.begin());
-    ano::store(changed.data(), *value);
-    send_down(asked, 0xA1, Data{changed}.first(data.size()), output);
-}
-
-void V7Translation::ranging_down(std::uint8_t asked, Data data, V7Output& output) {
-    if (data.size() < 5) return drop(&V7Counters::down_malformed);
-    const auto send = [&](const V7Distance& distance) {
-        std::array<std::uint8_t, 7> v7_data;
-        distance.store(v7_data.data());
-        send_down(asked, 0x34, v7_data, output);
-    };
-    for_each_distance(range_, data, send, [&] { drop(&V7Counters::down_unrepresentable); });
+    send_down(Data{v7_}.first(v7::encode(v7_, receiver(v8_destination, id), id, data)), output);
 }
 
 void V7Translation::check_down(Data data, ano::TimePoint now, V7Output& output) {

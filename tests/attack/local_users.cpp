@@ -472,24 +472,26 @@ TEST_F(ForeignFolder, files_of_other_users_at_a_lock_path_do_not_block_locking) 
     std::string lock;
     EXPECT_EQ(as_nobody([&] {
                   anogate::PathLock one, other;
-                  if (!one.take(dir / "tmp/app") || locks() != 1) return 1;
-                  if (const auto taken = other.take(dir / "tmp/../tmp/app"); taken || !taken.error().in_use) return 2;
-                  if (!one.take(dir / "tmp/app")) return 3;
+                  if (!one.acquire(dir / "tmp/app") || locks() != 1) return 1;
+                  if (const auto taken = other.acquire(dir / "tmp/../tmp/app"); taken || !taken.error().in_use) return 2;
+                  if (!one.acquire(dir / "tmp/app")) return 3;
                   one.release();
                   if (locks() != 0) return 4;
-                  if (!other.take(dir / "tmp/app")) return 5;
+                  if (!other.acquire(dir / "tmp/app")) return 5;
                   ::_exit(0);    // as if killed: the file stays
               }),
               0);
     ASSERT_EQ(locks(), 1);
     lock = fs::directory_iterator { dir / "tmp" } -> path();
-    EXPECT_EQ(as_nobody([&] { return anogate::PathLock{}.take(dir / "tmp/app") ? 0 : 1; }), 0) << "what a dead one left";
+    EXPECT_EQ(as_nobody([&] { return anogate::PathLock{}.acquire(dir / "tmp/app") ? 0 : 1; }), 0)
+        << "the file of a process that was killed";
     EXPECT_EQ(locks(), 0);
     ASSERT_EQ(::symlink(precious.c_str(), lock.c_str()), 0);
-    EXPECT_EQ(as_nobody([&] { return anogate::PathLock{}.take(dir / "tmp/app") ? 0 : 1; }), 0) << "a link of root's";
+    EXPECT_EQ(as_nobody([&] { return anogate::PathLock{}.acquire(dir / "tmp/app") ? 0 : 1; }), 0)
+        << "a symbolic link that root created";
     fs::remove(lock);
     std::ofstream{lock} << "root's";
-    EXPECT_EQ(as_nobody([&] { return anogate::PathLock{}.take(dir / "tmp/app") ? 0 : 1; }), 0) << "a file of root's";
+    EXPECT_EQ(as_nobody([&] { return anogate::PathLock{}.acquire(dir / "tmp/app") ? 0 : 1; }), 0) << "a file that root created";
     EXPECT_TRUE(fs::is_regular_file(lock));
 }
 
@@ -502,9 +504,9 @@ TEST_F(ForeignFolder, locks_of_a_user_are_in_the_runtime_folder_of_that_user_onl
         return Child{[&] {
                    if (!become_nobody() || ::setenv("XDG_RUNTIME_DIR", runtime_dir.c_str(), 1) != 0) return 1;
                    if (::access("/run/anogate", W_OK) == 0) return 2;
-                   if (!anogate::PathLock{}.take(dir / "open/app")) return 3;
+                   if (!anogate::PathLock{}.acquire(dir / "open/app")) return 3;
                    anogate::PathLock claim;
-                   claim.take(dir / "open/app");
+                   claim.acquire(dir / "open/app");
                    return fs::is_empty(dir / "open") ? 10 : 11;
                }}
             .wait();
@@ -538,7 +540,7 @@ protected:
         const std::string& name, const std::function<int()>& inside = [] { return 0; }) {
         return Child{[&]() -> int {
                    anogate::PathLock claim;
-                   ::_exit(claim.take(dir / name) ? inside() : 50);
+                   ::_exit(claim.acquire(dir / name) ? inside() : 50);
                }}
             .wait();
     }
@@ -549,12 +551,12 @@ protected:
 TEST_F(LockFiles, of_killed_processes_are_removed_and_held_ones_are_kept) {
     const int result = as_user([&] {
         anogate::PathLock held, next;
-        if (!held.take(dir / "held")) return 1;
+        if (!held.acquire(dir / "held")) return 1;
         if (killed_with("a", [&] { return killed_with("b") + killed_with("held"); }) != 50)
             return 2;    // a is held while b is locked
         std::ofstream{own + "/anogate/notes"} << "no lock of ours";
         if (locks() != 4) return 3;
-        if (!next.take(dir / "next")) return 4;
+        if (!next.acquire(dir / "next")) return 4;
         if (locks() != 3) return 5;
         return killed_with("held") == 50 && killed_with("next") == 50 ? 0 : 6;
     });
@@ -567,7 +569,7 @@ TEST_F(LockFiles, are_never_held_twice_while_others_remove_stale_ones) {
         std::vector<std::unique_ptr<Child>> others, takers;
         for (const std::string name : {"x", "y"})
             others.push_back(std::make_unique<Child>([&, name]() -> int {
-                for (;;) anogate::PathLock{}.take(dir / name);
+                for (;;) anogate::PathLock{}.acquire(dir / name);
             }));
         const auto alone = [&] {
             const int marker = ::open((own + "/marker").c_str(), O_CREAT | O_EXCL | O_CLOEXEC, 0600);

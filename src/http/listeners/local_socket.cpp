@@ -78,12 +78,12 @@ LocalSocket::Outcome LocalSocket::listen(const std::string& path) {
     UniqueFd socket{::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0)};
     if (!socket) return failed(error_text(path, errno));
     if (auto folder = make_folder_of(path); !folder) return failed(std::move(folder.error()));
-    if (const auto taken = claim_.take(path); !taken)
+    if (const auto taken = lock_.acquire(path); !taken)
         return failed(taken.error().in_use ? path + in_use : taken.error().why + another_path, taken.error().in_use);
     Outcome outcome = make_room(path);
     if (outcome.error.empty()) outcome = make(socket.get(), path);
     if (!outcome.error.empty()) {
-        claim_.release();
+        lock_.release();
         return outcome;
     }
     const group* group = ::getgrnam("anogate");
@@ -138,7 +138,7 @@ void LocalSocket::remove() noexcept {
         is_same(ours, there))
         ::unlinkat(folder_.fd(), name_.c_str(), 0);
     made_ = UniqueFd{};
-    claim_.release();
+    lock_.release();
 }
 
 }    // namespace anogate::http

@@ -30,7 +30,7 @@ private:
     Outcome make(int socket, const std::string& path);
     bool let_in(gid_t group);
 
-    PathLock claim_;
+    PathLock lock_;
     HeldFolder folder_;
     std::string name_;
     UniqueFd made_;    // the file that listen() made

@@ -49,7 +49,7 @@ Opened<UniqueFd> PtyLink::open_wire() {
     const auto linked = link_path();
     watch_path();
     if (linked) return ours;
-    claim_.release();
+    lock_.release();
     look_.cancel();
     watch_.close();    // another pseudo-terminal may get this number; its users would count as ours
     return Unexpected{linked.error()};
@@ -60,7 +60,7 @@ UniqueFd PtyLink::open_user_side() const { return UniqueFd{::open(device_.c_str(
 Expected<void> PtyLink::link_path() {
     const fs::path path = settings().as<PtySettings>().path;
     if (auto there = make_folder_of(path); !there) return there;
-    if (auto taken = claim_.take(path); !taken) return Unexpected{std::move(taken.error().why)};
+    if (auto taken = lock_.acquire(path); !taken) return Unexpected{std::move(taken.error().why)};
     return link_to_terminal(device_, path);
 }
 
@@ -147,7 +147,7 @@ void PtyLink::leave_wire(int) {
     watch_.close();
     up_ = false;
     remove_link_to(device_, settings().as<PtySettings>().path);
-    claim_.release();
+    lock_.release();
 }
 
 void PtyLink::stop_reading() {

@@ -38,7 +38,7 @@ private:
     LinkError no_user_error() const;
 
     std::string device_;    // /dev/pts/N
-    PathLock claim_;        // so that only one gateway makes this path
+    PathLock lock_;         // so that only one gateway makes this path
     Descriptor watch_;      // inotify: device_ was opened, or the link at the path was changed
     Alarm look_;            // polls instead if inotify is not available
     bool up_ = false;

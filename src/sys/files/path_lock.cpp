@@ -97,7 +97,7 @@ PathLock::Lock PathLock::lock(bool trusted) {
     return Lock::in_use;
 }
 
-tl::expected<void, PathLock::Refusal> PathLock::take(const std::filesystem::path& path) {
+tl::expected<void, PathLock::Refusal> PathLock::acquire(const std::filesystem::path& path) {
     const auto refused = [](std::string why, bool in_use = false) { return tl::unexpected{Refusal{std::move(why), in_use}}; };
     auto folder = HeldFolder::of(folder_of(path));
     struct stat info {};

@@ -25,7 +25,7 @@ public:
         bool in_use = false;    // by another gateway, or another link of this gateway
     };
     /// Does not block. The folder of `path` must exist. Taking the same path again keeps the lock.
-    tl::expected<void, Refusal> take(const std::filesystem::path& path);
+    tl::expected<void, Refusal> acquire(const std::filesystem::path& path);
     void release() noexcept;
 
 private:
