@@ -199,7 +199,7 @@ TEST(Terminal, captures_the_v7_frames_of_a_link_for_wireshark) {
     Daemon daemon{
         ANOGATED, socket, {"serial:" + (dir / "imu") + ",protocol=v7,v7_device=0xDD", "udp-listen:127.0.0.1:0,name=ground"}};
     ASSERT_TRUE(daemon.until_up("imu"));
-    Process terminal{ANOCTL, {"terminal", "imu", "--pcapng", capture, "--control", socket}};
+    Shell terminal{"sleep 100 | exec " ANOCTL " terminal imu --pcapng " + capture + " --control " + socket};
     ASSERT_TRUE(terminal.until_says("press Enter")) << terminal.output();
     const Bytes euler = v7_frame(0xAF, 0x03, {1, 0, 2, 0, 3, 0, 1});
     device.write(Bytes{0x00, 0xAA} + euler);
