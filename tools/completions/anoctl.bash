@@ -14,7 +14,7 @@ _anoctl_links() {
         kind=$prev cur=
     else
         compopt -o nospace 2>/dev/null
-        _anoctl_words 'serial: udp-listen: udp: tcp: tcp-listen: tls: tls-listen: can: pty: sim: replay:'
+        _anoctl_words 'serial: hid: udp-listen: udp: tcp: tcp-listen: tls: tls-listen: can: pty: sim: replay:'
         return
     fi
     case $kind in
@@ -121,6 +121,7 @@ _anoctl() {
         'image --device') _anoctl_devices; return ;;
         'image --link') _anoctl_links; return ;;
         'image --control') _anoctl_files; return ;;
+        'terminal --pcapng') _anoctl_files; return ;;
         'terminal --encoding') _anoctl_words 'utf8 gbk'; return ;;
         'terminal --end') _anoctl_words 'crlf lf cr none'; return ;;
         'terminal --control') _anoctl_files; return ;;
@@ -183,7 +184,7 @@ _anoctl() {
         'log') options='--device --link --control --encoding --since --no-follow --json -h --help'; operands=':' ;;
         'alarms') options='--follow --device --control --json -h --help'; operands=':' ;;
         'image') options='--count --device --link --control --json -h --help'; operands='_anoctl_files' ;;
-        'terminal') options='--hex --v7 --encoding --end --exclusive --json --control -h --help'; operands='_anoctl_links' ;;
+        'terminal') options='--hex --v7 --pcapng --force --encoding --end --exclusive --json --control -h --help'; operands='_anoctl_links' ;;
         'top') options='--control -h --help'; operands=':' ;;
         'record') options='--id --from --to --link --direction --seconds --last --message-encoding --force --json --control -h --help'; operands='_anoctl_files' ;;
         'recordings') options='--format --message-encoding --id --from --to --link --direction --seconds --force --json --control -h --help'; operands='if ((COMP_CWORD == 2)); then _anoctl_words '\''list start end get delete save'\''; else _anoctl_messages; fi' ;;

@@ -14,7 +14,7 @@ _anogated_links() {
         kind=$prev cur=
     else
         compopt -o nospace 2>/dev/null
-        _anogated_words 'serial: udp-listen: udp: tcp: tcp-listen: tls: tls-listen: can: pty: sim: replay:'
+        _anogated_words 'serial: hid: udp-listen: udp: tcp: tcp-listen: tls: tls-listen: can: pty: sim: replay:'
         return
     fi
     case $kind in

@@ -11,4 +11,4 @@ complete -c anogated -l log-level -x -a 'trace debug info warn error' -d 'the lo
 complete -c anogated -l route -x -d 'pin an address or range '
 complete -c anogated -l check -d 'check the configuration'
 complete -c anogated -l print-config -d 'print the resulting configuration as a file'
-complete -c anogated -a 'serial: udp-listen: udp: tcp: tcp-listen: tls: tls-listen: can: pty: sim: replay:'
+complete -c anogated -a 'serial: hid: udp-listen: udp: tcp: tcp-listen: tls: tls-listen: can: pty: sim: replay:'
