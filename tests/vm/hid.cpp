@@ -97,7 +97,7 @@ class Hid : public testing::Test {
 protected:
     void SetUp() override {
         if (std::getenv("ANOGATE_IN_VM") == nullptr) GTEST_SKIP() << "needs the kernel's uhid: only in tests/vm/machine";
-        ASSERT_EQ(run("modprobe uhid"), 0);
+        ASSERT_EQ(run("modprobe -a uhid hid-generic"), 0);
     }
     std::size_t frames_at_app(std::size_t count) {
         std::size_t received = 0;
