@@ -8,12 +8,13 @@ namespace ano {
 
 /// The result of a request to send zero bytes before a frame.
 struct Flush {
-    Duration busy{};     // how long the line needs to send them; zero also if none are sent
+    bool sent = false;
+    Duration busy{};     // how long the line needs to send them; zero also if that is not known
     Duration later{};    // none are sent now, but may be after this time; zero: waiting has no use
 
     /// For a frame that is sent on several lines.
     friend Flush operator|(const Flush& one, const Flush& other) noexcept {
-        return {std::max(one.busy, other.busy), std::max(one.later, other.later)};
+        return {one.sent || other.sent, std::max(one.busy, other.busy), std::max(one.later, other.later)};
     }
 };
 

@@ -138,7 +138,7 @@ public:
     /// When next_frame() last returned a frame.
     TimePoint last_sent() const noexcept { return last_sent_; }
     /// `flush` is called before a frame is sent that the device may not receive, because its parser waits inside a damaged frame:
-    /// before a request is repeated, unless the device has answered a later one; before the first try of a request with a long
+    /// before a request is repeated, unless the device has answered a later one, or a flush was sent since; before the first try of a request with a long
     /// time-out; and before the question for its device info, if the last request was lost. If it may flush only later, a first
     /// try and a command are sent at once; a second try waits for the flush, unless the wait for its answer is shorter. A request
     /// that did not wait and may be repeated is sent once more when the flush is allowed, except the next request of an asker
@@ -298,6 +298,8 @@ private:
     TimePoint waits_until(const Exchange& exchange) const noexcept;
     TimePoint line_is_free_at() const noexcept;
     bool waits_for_flush(Exchange& next, TimePoint now);
+    void on_flush() noexcept;
+    void adjust_waits(const Exchange& answered, TimePoint now) noexcept;
     Exchange::Send this_send(const Exchange& next) const noexcept;
     FrameView send(Exchanges& from, Exchanges::iterator which, TimePoint now);
     bool is_heard_since(const Exchange& exchange) const noexcept {
@@ -342,9 +344,11 @@ private:
     std::uint32_t announcements_ = 0;
     RoundTrip round_trip_;
     Window window_;
+    Window window_when_heard_;              // at the last answer
     std::uint64_t sends_ = 0;               // of all requests
     std::uint64_t heard_send_ = 0;          // the latest of them that the device has answered
     std::uint64_t lost_send_ = 0;           // the latest of them that has timed out
+    std::uint64_t flushed_send_ = 0;        // the latest of them before the last flush
     const Asker* heard_asker_ = nullptr;    // the asker of the request that it answered last
     TimePoint last_sent_{};
     TimePoint line_is_busy_until_ = TimePoint::min();    // with the bytes of flush_

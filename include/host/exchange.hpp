@@ -139,6 +139,14 @@ public:
     void flush_at(TimePoint at) noexcept {
         if (flush_at_ == TimePoint::min()) flush_at_ = at;
     }
+    /// The answer to the first send may take `time` from now. What this adds to its wait does not shorten the repetitions.
+    void wait_from(TimePoint now, Duration time) noexcept {
+        if (sent_ != 1 || !on_its_way_ || !is_measured() || last_sent_ < flush_at_) return;
+        kept_for_ += std::max(now + time - due_, Duration::zero());
+        due_ = std::max(due_, now + time);
+    }
+    /// No answer to the last send will arrive.
+    void stop_waiting(TimePoint now) noexcept { due_ = std::min(due_, now); }
     /// The last frame has not left yet: its wait starts again.
     void wait_to_leave(TimePoint now) noexcept;
     /// To be called when the wait of Patience::if_heard is over. True: the wait continues, since no frame of the device was

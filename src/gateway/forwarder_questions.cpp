@@ -58,7 +58,7 @@ ano::Flush Forwarder::flush_parser(ChannelId to) {
     if (!channel.outbox.flush_parser(now_)) return {.later = channel.outbox.until_flush(now_)};
     to_flush_.insert(to);
     const ForwarderLink& settings = entry(channel.link).settings;
-    return {.busy = time_of_flush(channel.outbox.zeros(), settings.parser.line_rate)};
+    return {.sent = true, .busy = time_of_flush(channel.outbox.zeros(), settings.parser.line_rate)};
 }
 
 // Without alias, loop guard and group, since the frame was not received on a wire.

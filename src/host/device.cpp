@@ -87,6 +87,8 @@ Taken Device::take(FrameView frame, TimePoint now) {
         round_trip_.answered(std::max(now - met->first_sent(), Duration{}), met->sent() > 1);
     if (met->is_measured() && met->sent() == 1) round_trip_.answered_behind(met->last().others, now - met->first_sent());
     window_.answered(met->last().alone);
+    window_when_heard_ = window_;
+    adjust_waits(*met, now);
     heard_send_ = std::max(heard_send_, met->first_number());
     heard_asker_ = met->asker();
     answered_at_ = now;
@@ -479,14 +481,15 @@ std::optional<TimePoint> Device::may_start_at(const Exchange& exchange) const no
     return at;
 }
 
-// An answer shows that the device receives: its parser was ready when a later request was sent. The identification is for a
-// request that may just have been lost.
+// An answer shows that the device receives: its parser was ready when a later request was sent. A flush made it ready for all
+// that was sent before. The identification is for a request that may just have been lost.
 bool Device::may_be_deaf_to(const Exchange& exchange) const noexcept {
-    if (exchange.was_sent()) return heard_send_ < exchange.last().number;
-    return exchange.waits_long() || (exchange.asker() == &identification_ && heard_send_ < lost_send_);
+    const std::uint64_t ready_since = std::max(heard_send_, flushed_send_);
+    if (exchange.was_sent()) return ready_since < exchange.last().number;
+    return exchange.waits_long() || (exchange.asker() == &identification_ && ready_since < lost_send_);
 }
 
-// It waits for a flush, unless an answer has shown meanwhile that none is needed.
+// It waits for a flush, unless an answer or a flush for another request made that needless meanwhile.
 TimePoint Device::waits_until(const Exchange& exchange) const noexcept {
     const bool waits = !exchange.is_on_its_way() && may_be_deaf_to(exchange);
     return waits ? exchange.kept_until() : TimePoint::min();
@@ -504,7 +507,8 @@ bool Device::waits_for_flush(Exchange& next, TimePoint now) {
     if (!flush_ || !may_be_deaf_to(next)) return false;
     const Flush flush = flush_(next.frame());
     line_is_busy_until_ = std::max(line_is_busy_until_, now + flush.busy);
-    if (flush.busy > Duration::zero() || flush.later <= Duration::zero()) return false;
+    if (flush.sent) on_flush();
+    if (flush.sent || flush.later <= Duration::zero()) return false;
     const bool may_wait = next.was_sent() && !is_command(next) &&
                           flush.later <= next.wait_for_answer(now, round_trip_, this_send(next));
     if (may_wait && next.keep(now, flush.later)) return true;
@@ -513,6 +517,23 @@ bool Device::waits_for_flush(Exchange& next, TimePoint now) {
     if (!next.is_once() && !goes_on && !is_for_command)
         next.flush_at(now + std::max(flush.later, RoundTrip::first));    // its answer may arrive before
     return false;
+}
+
+// The losses since the last answer may be those of the parser: they show nothing about the line.
+void Device::on_flush() noexcept {
+    flushed_send_ = sends_;
+    if (!window_when_heard_.is_one_at_a_time()) window_ = window_when_heard_;
+}
+
+// Devices answer in the order of the requests. On a slow line a later answer needs its time after this one; to a send before the
+// flush that this send followed, no answer will arrive: the parser has swallowed it.
+void Device::adjust_waits(const Exchange& answered, TimePoint now) noexcept {
+    const bool is_after_flush = answered.last().number > flushed_send_ && now > answered.last_sent();
+    for (Exchange& exchange : sent_) {
+        const std::uint64_t number = exchange.last().number;
+        if (number > answered.last().number) exchange.wait_from(now, round_trip_.time_out());
+        if (is_after_flush && number <= flushed_send_ && exchange.is_measured() && !exchange.acts()) exchange.stop_waiting(now);
+    }
 }
 
 bool Device::may_be_repeated(const Exchange& exchange, TimePoint now) const noexcept {
@@ -533,6 +554,7 @@ FrameView Device::send(Exchanges& from, Exchanges::iterator which, TimePoint now
     sends_ = send.number;
     if (is_measured_write(*which)) which->wait_at_least(std::min(write_takes_ + write_takes_ / 4, RoundTrip::ceiling));
     which->send(std::max(now, line_is_busy_until_), round_trip_, send);
+    if (send.others > 0 && !round_trip_.knows_others()) which->wait_from(now, RoundTrip::first);
     if (is_question_for_info(which->frame())) expect_info(now);
     return which->frame();
 }

@@ -205,6 +205,7 @@ public:
     bool blocks = false;        // the device receives nothing while its answer is on the line
     unsigned queue_rate = 0;    // bytes/s at which the host's queue is sent; 0: at once
     std::size_t zeros_there = 0;
+    Duration telemetry_every{};    // between the device's frames to all, of 34 bytes each; 0: it sends none
 
     /// Makes the line a UART: before a request that the device may not receive, zero bytes are sent, at most once per second.
     void be_uart() {
@@ -215,7 +216,7 @@ public:
             const Bytes zeros(206);
             zeros_there += zeros.size();
             on_line(there, free_there_, {true, zeros});
-            return {.busy = free_there_ - now};
+            return {.sent = true, .busy = free_there_ - now};
         });
     }
     /// The zero bytes were sent now, for another device of this line: the next ones may be sent in a second.
@@ -231,8 +232,7 @@ public:
         send();
         while (!task.end() && now - begin < limit) {
             const auto due = leaves_at_ > now ? leaves_at_ : device.due();
-            const auto next = std::min(due.value_or(TimePoint::max()),
-                                       events_.empty() ? TimePoint::max() : events_.begin()->first);
+            const auto next = std::min(due.value_or(TimePoint::max()), next_event());
             if (next == TimePoint::max()) break;
             now = std::max(now, next);
             deliver();
@@ -244,8 +244,8 @@ public:
     /// Advances the time; frames on the line arrive meanwhile.
     void pass(Duration time) {
         const TimePoint until = now + time;
-        while (!events_.empty() && events_.begin()->first <= until) {
-            now = events_.begin()->first;
+        while (next_event() <= until) {
+            now = std::max(now, next_event());
             deliver();
         }
         now = until;
@@ -272,7 +272,17 @@ private:
             most_on_their_way = std::max(most_on_their_way, device.on_their_way());
         }
     }
+    TimePoint next_event() const {
+        const TimePoint first = events_.empty() ? TimePoint::max() : events_.begin()->first;
+        return telemetry_every > Duration::zero() ? std::min(first, telemetry_at_) : first;
+    }
+    void send_telemetry() {
+        if (telemetry_every <= Duration::zero() || telemetry_at_ > now) return;
+        on_line(back, free_back_, {false, support::frame(fake_.address, 0xFF, 0x03, Bytes(26))});
+        telemetry_at_ = now + telemetry_every;
+    }
     void deliver() {
+        send_telemetry();
         while (!events_.empty() && events_.begin()->first <= now) {
             const Event event = std::move(events_.begin()->second);
             events_.erase(events_.begin());
@@ -307,7 +317,7 @@ private:
     FakeDevice& fake_;
     Random random_;
     TimePoint free_there_{}, free_back_{};
-    TimePoint flush_again_at_{}, leaves_at_{}, queue_free_at_{};
+    TimePoint flush_again_at_{}, leaves_at_{}, queue_free_at_{}, telemetry_at_{};
     std::multimap<TimePoint, Event> events_;
 };
 

@@ -73,7 +73,7 @@ public:
         const Duration later = flushed_at ? *flushed_at + 1s - time : Duration::zero();
         if (later > Duration::zero()) return {.later = later};
         flushed_at = time;
-        return {.busy = *flush_takes};
+        return {.sent = true, .busy = *flush_takes};
     }
     bool is_waiting(std::uint8_t) override { return time < queued_until; }
     std::string accepts_nothing(std::uint8_t) override { return stopped; }

@@ -99,7 +99,7 @@ struct Flushes : Host {
     Flushes() {
         device.on_maybe_deaf([this](FrameView next) {
             before.push_back(next.id());
-            return ano::Flush{.busy = 20ms};
+            return ano::Flush{.sent = true, .busy = 20ms};
         });
     }
 };
@@ -117,7 +117,7 @@ TEST(Device, repeats_a_request_after_a_flush_and_waits_longer_by_the_time_of_the
 // Any frame sent meanwhile would end the zero bytes: only a command is sent.
 TEST(Device, sends_only_commands_after_a_flush_until_the_line_is_free) {
     Flushes host;
-    host.device.on_maybe_deaf([](FrameView) { return ano::Flush{.busy = 500ms}; });
+    host.device.on_maybe_deaf([](FrameView) { return ano::Flush{.sent = true, .busy = 500ms}; });
     for (int i = 0; i < 5; ++i) {
         host.ask_value(9);
         host.sent(start);
@@ -126,8 +126,8 @@ TEST(Device, sends_only_commands_after_a_flush_until_the_line_is_free) {
     host.ask_value(1);
     host.ask_value(2);
     EXPECT_EQ(host.sent(start + 1ms).size(), 2u);
-    EXPECT_EQ(host.sent(start + 200ms).size(), 1u) << "the first one again, behind zero bytes";
-    EXPECT_EQ(host.device.due(), start + 700ms);
+    EXPECT_EQ(host.sent(start + 201ms).size(), 1u) << "the first one again, behind zero bytes";
+    EXPECT_EQ(host.device.due(), start + 701ms);
     EXPECT_TRUE(host.sent(start + 699ms).empty());
     ASSERT_TRUE(host.device.ask(Request{0xC0, {1, 2, 3}, {.sends = 1, .wait = 2s}}, host.listener));
     EXPECT_LE(host.device.due(), start + 400ms);
@@ -184,7 +184,7 @@ struct LateFlushes : Host {
             if (now < free_at) return {.later = free_at - now};
             ++flushes;
             free_at = now + 1s;
-            return {.busy = 20ms};
+            return {.sent = true, .busy = 20ms};
         });
     }
     std::vector<Bytes> sent_at(TimePoint& now, TimePoint at) {
@@ -192,6 +192,101 @@ struct LateFlushes : Host {
         return sent(at);
     }
 };
+
+void measure(Host& host) {
+    for (int i = 0; i < 5; ++i) {
+        host.ask_value(9);
+        host.sent(start);
+        host.value(9, start + 1ms);
+    }
+}
+
+TEST(Device, needs_one_flush_for_all_requests_that_were_lost_before_it) {
+    TimePoint now = start;
+    LateFlushes host{start};
+    host.listen(now);
+    measure(host);
+    for (std::uint16_t id = 1; id <= 3; ++id) host.ask_value(id);
+    EXPECT_EQ(host.sent_at(now, start + 1ms).size(), 3u);
+    EXPECT_EQ(host.sent_at(now, start + 300ms).size(), 1u) << "behind zero bytes";
+    host.free_at = start + 330ms;
+    EXPECT_EQ(host.sent_at(now, start + 320ms).size(), 2u) << "without waiting for the next flush";
+    EXPECT_EQ(host.flushes, 1);
+}
+
+TEST(Device, repeats_what_was_sent_before_a_flush_at_the_first_answer_after_it) {
+    TimePoint now = start;
+    LateFlushes host{start};
+    host.listen(now);
+    measure(host);
+    host.ask_value(1);
+    host.ask_value(2);
+    EXPECT_EQ(host.sent_at(now, start + 1ms).size(), 2u);
+    EXPECT_EQ(host.sent_at(now, start + 40ms).size(), 1u) << "behind zero bytes";
+    EXPECT_TRUE(host.sent_at(now, start + 60ms).empty()) << "the other one may still be answered";
+    host.value(1, start + 65ms);
+    EXPECT_EQ(host.sent_at(now, start + 65ms).size(), 1u);
+    EXPECT_EQ(host.flushes, 1);
+}
+
+// The answer is to the first send: the zero bytes have not left yet.
+TEST(Device, does_not_repeat_what_was_sent_before_a_flush_because_of_a_late_answer) {
+    TimePoint now = start;
+    LateFlushes host{start};
+    host.listen(now);
+    measure(host);
+    host.ask_value(1);
+    host.ask_value(2);
+    host.sent_at(now, start + 1ms);
+    EXPECT_EQ(host.sent_at(now, start + 40ms).size(), 1u);
+    host.value(1, start + 45ms);
+    EXPECT_TRUE(host.sent_at(now, start + 75ms).empty());
+}
+
+TEST(Device, whose_parser_was_not_ready_has_lost_nothing_because_of_too_many_requests) {
+    TimePoint now = start;
+    LateFlushes host{start + 900ms};
+    for (int i = 0; i < 3; ++i) measure(host);
+    for (std::uint16_t id = 1; id <= 4; ++id) host.ask_value(id);
+    EXPECT_EQ(host.sent(start).size(), 4u);
+    EXPECT_EQ(host.sent(start + 300ms).size(), 4u) << "lost once";
+    for (std::uint16_t id = 1; id <= 4; ++id) host.value(id, start + 300ms);
+    const std::size_t before = host.device.window();
+    host.listen(now);
+    for (std::uint16_t id = 0; id < 8; ++id) host.ask_value(id);
+    for (int ms = 301; host.flushes == 0; ++ms) {
+        ASSERT_LT(ms, 2000);
+        host.sent_at(now, start + ms * 1ms);
+    }
+    EXPECT_EQ(host.device.window(), before);
+}
+
+TEST(Device, waits_longer_behind_others_until_that_was_measured) {
+    Host host;
+    measure(host);
+    host.ask_value(1);
+    host.ask_value(2);
+    EXPECT_EQ(host.sent(start + 1ms).size(), 2u);
+    EXPECT_EQ(host.sent(start + 200ms).size(), 1u) << "the first one";
+    EXPECT_EQ(host.sent(start + 201ms).size(), 1u);
+}
+
+TEST(Device, waits_for_an_answer_from_the_answer_to_the_request_before) {
+    Host host;
+    measure(host);
+    const auto ask_two = [&](TimePoint at) {
+        host.ask_value(1);
+        host.ask_value(2);
+        EXPECT_EQ(host.sent(at).size(), 2u);
+    };
+    ask_two(start);
+    host.value(1, start + 1ms);
+    host.value(2, start + 1ms);
+    ask_two(start + 1s);
+    host.value(1, start + 1s + 20ms);
+    EXPECT_TRUE(host.sent(start + 1s + 49ms).empty());
+    EXPECT_EQ(host.sent(start + 1s + 100ms).size(), 1u);
+}
 
 // A command may be LAND, and it is rare that the parser of a device is not ready.
 TEST(Device, a_request_that_is_sent_only_once_never_waits_for_a_flush) {
@@ -243,7 +338,7 @@ TEST(Device, a_command_waits_only_briefly_for_outstanding_answers) {
     ASSERT_TRUE(host.device.due());
     EXPECT_GT(*host.device.due(), start + 3s);
     EXPECT_LE(*host.device.due(), start + 3s + Device::max_wait_of_commands);
-    const auto behind_silence = host.sent(*host.device.due());
+    const auto behind_silence = host.sent(start + 3s + Device::max_wait_of_commands);
     ASSERT_FALSE(behind_silence.empty());
     EXPECT_EQ(behind_silence[0][3], 0xC0);
 }
