@@ -85,7 +85,7 @@ std::string short_help(LinkKinds kinds, const std::string& default_file) {
     text += "\nOptions:\n" + row("--http ADDR:PORT", "serve the page for browsers") +
             row("--route ADDR=LINK", "pin an address (0xDC, 30-40) to a link") +
             row("--check, --print-config", "check the configuration; print it as a file") +
-            row("--help all", "show all options, kinds, keys (or: man anogated)") + row("-V, --version", "print the version") +
+            row("--help all, --version", "show all options, kinds and keys; the version") +
             "\nExample: anogated serial:/dev/ttyUSB0,baud=500000 udp-listen:0.0.0.0:12333\n";
     return text;
 }

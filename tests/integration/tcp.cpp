@@ -247,7 +247,8 @@ protected:
                "udp-listen:127.0.0.1:0,name=ground"});
     }
     void receive_on(bool by_cable) {
-        const Bytes telemetry = frame(0x05, 0xFE, 0x03, Bytes(7));
+        const Bytes telemetry = frame(0x05, 0xFE, 0x03,
+                                      {++received_, 0, 0, 0, 0, 0, 0});    // equal frames are one frame in a group
         if (by_cable) cable.write(telemetry);
         else air.send(telemetry);
     }
@@ -273,7 +274,7 @@ protected:
     TcpListener radio;
     TcpPeer air;
     UdpPeer ground;
-    std::uint8_t next_ = 0;
+    std::uint8_t next_ = 0, received_ = 0;
 };
 
 INSTANTIATE_TEST_SUITE_P(Loses, TcpInGroup, testing::Bool(), [](const auto& loses) { return loses.param ? "cable" : "radio"; });

@@ -123,7 +123,7 @@ TEST(Config, a_missing_required_key_is_reported) {
     EXPECT_EQ(faults_in(R"({"links": [{}]})"), "/links/0: 'kind' is missing, for example \"kind\": \"serial\"\n");
     EXPECT_EQ(faults_in(R"({"links": [{"kind": "serial"}]})"), "/links/0: 'device' is missing: path of the port\n");
     EXPECT_EQ(faults_in(R"({"links": [{"kind": "seral"}]})"),
-              "/links/0/kind: unknown kind 'seral' (did you mean 'serial'?); the kinds are serial, udp-listen, udp, tcp, "
+              "/links/0/kind: unknown kind 'seral' (did you mean 'serial'?); the kinds are serial, hid, udp-listen, udp, tcp, "
               "tcp-listen, tls, tls-listen, can, "
               "pty, sim, replay\n");
     EXPECT_EQ(faults_in(R"({"links": [{"kind": 5}, 6]})"),

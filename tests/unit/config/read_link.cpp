@@ -156,7 +156,7 @@ TEST(LinkText, explains_wrong_keys_of_protocol_v7) {
         EXPECT_EQ(fault("protocol=v7,v7_device=0xDD,v7_down=0x40+" + id),
                   "'v7_down' must not contain " + id + ": a V7 device would take it for a measurement of its own sensor");
     EXPECT_EQ(fault_of("sim:fc,protocol=v7"),
-              "'protocol' is not a key of sim, but of serial, udp-listen, udp, tcp, tcp-listen, pty");
+              "'protocol' is not a key of sim, but of serial, hid, udp-listen, udp, tcp, tcp-listen, pty");
     EXPECT_EQ(
         faults_in(R"({"links": [{"kind": "tcp", "address": "10.0.0.1:5", "protocol": "v7"}]})"),
         "/links/0/v7_device: 'protocol' v7 needs 'v7_device', the id under which hosts see the device: 0xDC, 0xDD, 0xDB, 0xDE, "
@@ -589,7 +589,7 @@ TEST(LinkText, a_text_that_is_not_a_link_is_reported_with_an_explanation) {
     EXPECT_EQ(fault_of("sim"), "the address is missing, for example sim:fc");
     EXPECT_EQ(fault_of("udp-listen,name=x"), "the address is missing, for example udp-listen:0.0.0.0:12333");
     EXPECT_EQ(fault_of("serail:/dev/x"),
-              "unknown kind 'serail' (did you mean 'serial'?); the kinds are serial, udp-listen, udp, tcp, tcp-listen, tls, "
+              "unknown kind 'serail' (did you mean 'serial'?); the kinds are serial, hid, udp-listen, udp, tcp, tcp-listen, tls, "
               "tls-listen, can, pty, sim, replay");
     EXPECT_EQ(fault_of("serial:"), "the address is missing, for example serial:/dev/ttyUSB0");
     EXPECT_EQ(fault_of("serial:,baud=9"), "the address is missing, for example serial:/dev/ttyUSB0");
