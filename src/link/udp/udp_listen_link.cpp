@@ -1,6 +1,7 @@
 #include <ano/address.hpp>
 #include <config/link_kind.hpp>
 #include <gateway/peers/far_peer.hpp>
+#include <link/check_group.hpp>
 #include <link/feed.hpp>
 #include <link/make_link.hpp>
 #include <link/udp/datagram_batch.hpp>
@@ -436,7 +437,7 @@ constexpr Key<LinkSettings> own_listen_keys[] = {
     networks<Listen, &Listen::trusted_any, &Listen::trusted>(
         "trusted",
         "networks outside the local ones whose peers are sent to at once, or any; others get at most three "
-        "times what they send until they answer (default: none)"),
+        "times what they send until they answer; of a group only these peers are members (default: none)"),
 };
 constexpr auto listen_keys = with_v7(own_listen_keys, v7_rows<Listen>());
 
@@ -453,6 +454,7 @@ void validate_listener(const LinkSettings& link, LinkFaults& faults) {
                                     " peers is " + std::to_string(memory / 1'000'000) +
                                     " MB, more than 64 MB: reduce 'queue' or 'max_peers'");
     check_interface(listen.interface, listen.local, faults);
+    check_group(link, listen.trusted_any || !listen.trusted.empty(), faults);
     check_v7(listen.v7, faults);
 }
 

@@ -82,6 +82,7 @@ private:
     Peer* admit(const Endpoint& endpoint, std::span<const std::uint8_t> datagram, TimePoint now);
     bool can_be_peer(const Endpoint& sender, TimePoint now);
     bool is_admitted(const Endpoint& sender, std::span<const std::uint8_t> datagram, TimePoint now, bool& commands);
+    bool is_trusted(const IpAddress& address) const;
     PeerBook::Rank rank_of(const Endpoint& endpoint, bool commands) const;
     Peer* make_peer(const Endpoint& endpoint, TimePoint now, PeerBook::Rank rank);
     void refuse(std::span<const std::uint8_t> datagram);
