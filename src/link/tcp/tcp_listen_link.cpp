@@ -9,6 +9,7 @@
 #include <link/tcp/tcp_socket.hpp>
 #include <link/udp/ip_socket.hpp>
 #include <link/v7_keys.hpp>
+#include <sys/descriptors_left.hpp>
 #include <sys/errors.hpp>
 
 #include <algorithm>
@@ -147,6 +148,7 @@ void TcpListenLink::on_accepted(UniqueFd fd, const Endpoint& peer) try {
         ++outsiders_;
         return;
     }
+    if (descriptors_left() < descriptors_of_links() / 2) return no_place_.add(now);    // those are for other links and `status`
     if (!handshakes_) return admit(std::move(fd), peer, {});
     if (!handshakes_->add(std::move(fd), peer, is_trusted(peer.address))) no_place_.add(now);
 } catch (const std::bad_alloc&) {
