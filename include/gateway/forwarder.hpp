@@ -128,6 +128,8 @@ public:
     /// nullptr: all 64 are in use. The channel lives until close_channel(), or until its link is removed. Its outbox is closed at
     /// first.
     Channel* open_channel(LinkId link, std::string peer, TimePoint now);
+    /// Router::leave_group(), for a channel that was just opened.
+    void leave_group(Channel& channel, bool may_replace);
     void close_channel(Channel& channel);
     /// The wire of the link is connected: opens the outboxes of its channels. Call it again after a channel was opened.
     void link_up(LinkId link, TimePoint now);

@@ -32,6 +32,7 @@ enum class SharedSource : std::uint8_t {
     two_devices,      // with the same id
     two_peers,        // of this link
     claims_pinned,    // another link claims an address that is pinned
+    of_a_group,       // an untrusted peer of a link claims an address of the group of the link
 };
 /// What to do about it, for hints and for the log.
 std::string_view advice_on(SharedSource shared);

@@ -76,6 +76,13 @@ public:
     void set_unknown_link(LinkId link) { unknown_links_ = link; }
 
     void open(ChannelId channel, LinkId link);
+    /// Takes the new channel out of the group of its link: it is a place of its own. `may_replace`: a device that is pinned to
+    /// another link of the group, and is silent there, may move to it.
+    void leave_group(ChannelId channel, bool may_replace);
+    /// 0: none.
+    std::uint8_t group_of(ChannelId channel) const noexcept {
+        return apart_.contains(channel) ? std::uint8_t{0} : links_[index(link_of_[index(channel)])].group;
+    }
     /// Erases all that was learned from it. An address that was at home only there moves to its claimant.
     void close(ChannelId channel);
     /// Assigns the port id to this channel until it is closed, and not to the other channels of its link.
@@ -136,8 +143,8 @@ public:
     /// channels.
     bool holds(std::uint8_t source, ChannelId channel) const noexcept;
     /// Whether a frame of `source` on `channel` is a claim: `source` is at home elsewhere, and that place is not known to be
-    /// down. The links of one group are one place; hosts are at home everywhere. A pinned address has a home on each of its
-    /// links, and on no other.
+    /// down. In a group a device has one home on each link; hosts are at home everywhere. A pinned address has a home on each of
+    /// its links and of their groups, and on no other.
     bool claims(std::uint8_t source, ChannelId channel) const noexcept;
 
     /// A question to the holder of an address, to test whether it still answers. It is sent on `channels`; only an answer from
@@ -197,11 +204,11 @@ private:
     void keep_conflict(std::uint8_t source, TimePoint now) noexcept;
     /// `source` is pinned, and neither to the link of `channel` nor to one of its group.
     bool is_outside(std::uint8_t source, ChannelId channel) const noexcept;
-    /// The homes of `source` that exclude one behind `channel`: of a pinned address those on its link, else all.
-    ChannelSet rivals(std::uint8_t source, ChannelId channel) const noexcept { return known_[source] & bounds(source, channel); }
-    ChannelSet bounds(std::uint8_t source, ChannelId channel) const noexcept {
-        return pinned_[source].empty() ? ~ChannelSet{} : channels_of_link_[index(link_of_[index(channel)])];
-    }
+    /// `source` is pinned to other links of the group, and may move to `channel` while it is silent there.
+    bool may_replace(std::uint8_t source, ChannelId channel) const noexcept;
+    /// The homes of `source` that exclude one behind `channel`.
+    ChannelSet rivals(std::uint8_t source, ChannelId channel) const noexcept;
+    ChannelSet bounds(std::uint8_t source, ChannelId channel) const noexcept;
     void to_pinned(Route& route, std::uint8_t destination) const;
     void settle();
     void forget_conflict(std::uint8_t address);
@@ -210,7 +217,6 @@ private:
     void move(std::uint8_t source, ChannelId to);
     void note_move(std::uint8_t source, ChannelId to) noexcept;
     void come_back(std::uint8_t source, ChannelId from, TimePoint now);
-    bool leads_to(ChannelSet known, ChannelId channel) const noexcept;
     bool is_cut_off(ChannelSet known) const noexcept;
     LinkSet links_of(ChannelSet channels) const noexcept;
     ChannelSet channels_of(LinkSet links) const noexcept;
@@ -231,9 +237,12 @@ private:
     }
     void guard(Route& route, std::uint8_t destination) const noexcept;
     void to_links(Route& route, LinkSet links) const;
-    void keep_one_of_each_group(Route& route, LinkId from, TimePoint now) const;
+    void keep_homes(ChannelSet& channels, LinkSet links, ChannelSet homes) const noexcept;
+    void keep_one_of_each_group(Route& route, LinkId from, std::uint8_t its_group, std::uint8_t destination, TimePoint now) const;
     LinkSet best_of(LinkSet group, ChannelSet able, TimePoint now) const;
-    LinkSet mates(LinkId link) const noexcept;
+    LinkSet links_beside(LinkId link) const noexcept;
+    ChannelSet members(std::uint8_t group) const noexcept { return channels_of(groups_[group]) - apart_; }
+    ChannelSet mates(ChannelId channel) const noexcept;
     TimePoint& heard(std::uint8_t address, ChannelId channel) { return heard_[address][index(channel)]; }
     TimePoint heard(std::uint8_t address, ChannelId channel) const { return heard_[address][index(channel)]; }
 
@@ -263,6 +272,8 @@ private:
     ChannelSet broadcast_;    // channels whose link accepts broadcasts
     ChannelSet down_;         // channels whose wire is disconnected
     ChannelSet hosts_;        // channels of note_host()
+    ChannelSet apart_;        // channels that are not in the group of their link
+    ChannelSet replacing_;    // those that may replace a pinned home in the group of their link
     ChannelSet devices_;      // channels where a device is at home, or was last; valid unless homes_changed_
     ChannelSet heard_any_;    // channels where any address is at home; valid as devices_
     ChannelSet silent_;       // those of devices_ on which nothing was received since

@@ -43,7 +43,7 @@ void Forwarder::receive(Channel& from, ano::FrameView brought, TimePoint now) {
     if (!judgement.undecided) compare(from, frame, arrival.key);
     if (AttitudeWatch::concerns(frame.id())) [[unlikely]]
         link.traffic.attitudes.receive(frame, now_);
-    if (link.present_as) {    // after the guards: a copy must not end a question
+    if (link.present_as && !router_.claims(frame.source(), from.id)) {    // neither a copy nor a forged answer ends a question
         const ano::FrameView before = frame;
         frame = link.present_as->inbound(frame, now_);
         if (!is_same(frame, before)) arrival.key = frame_key(frame);
@@ -86,7 +86,7 @@ void Forwarder::end_loop(Channel& from, ano::FrameView frame, ChannelSet ask) {
 // Whether the frame was already received on another link of the group. Compared as received, before any rewriting.
 [[gnu::always_inline]] inline bool Forwarder::is_duplicate(Channel& from, ano::FrameView brought, std::uint64_t key,
                                                            QueuePolicy policy) {
-    const std::uint8_t group = entry(from.link).settings.route.group;
+    const std::uint8_t group = router_.group_of(from.id);
     if (group == 0) return false;
     const bool is_answer = ano::conversation::of_id[brought.id()].answers && ano::address::is_host(brought.destination());
     const auto kind = policy.replaces != Replaces::nothing ? DuplicateGuard::Kind::state
@@ -219,7 +219,7 @@ void Forwarder::offer(ChannelId from, ChannelId to, ano::FrameView frame, QueueP
     }
     if (!cause) {
         channel.answers.sent(before, now_);
-        const std::uint8_t group = entry(channel.link).settings.route.group;
+        const std::uint8_t group = router_.group_of(to);
         if ((to_one_place_ || group != 0) && ano::intent_of(frame) != ano::Intent::informs) {
             if (to_one_place_) channel.echo.sent(frame_key(frame), now_);
             duplicates_.asked(group, now_);

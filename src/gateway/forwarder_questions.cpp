@@ -116,9 +116,9 @@ void Forwarder::send_probes(ChannelId from, ChannelSet channels) {
 // No address is learned from a probe, since any gateway may have forwarded it.
 void Forwarder::receive_probe(Channel& from, ano::FrameView probe) {
     if (!loop_guard_.accept_probe(probe, from.id, now_)) return drop(from, probe, &ReceiveCounters::looped);
-    const std::uint8_t group = entry(from.link).settings.route.group;
+    const std::uint8_t group = router_.group_of(from.id);
     for (const ChannelId to : (loop_guard_.probed() & used_) - from.id)
-        if (group == 0 || entry(channels_[index(to)]->link).settings.route.group != group)
+        if (group == 0 || router_.group_of(to) != group)
             offer(from.id, to, probe, probe_policy, now_);    // before the frame, too
 }
 

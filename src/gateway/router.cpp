@@ -90,6 +90,11 @@ void Router::open(ChannelId channel, LinkId link) {
     if (links_[index(link)].broadcast) broadcast_.insert(channel);
 }
 
+void Router::leave_group(ChannelId channel, bool may_replace) {
+    apart_.insert(channel);
+    if (may_replace) replacing_.insert(channel);
+}
+
 void Router::close(ChannelId channel) {
     --open_;
     channels_of_link_[index(link_of_[index(channel)])].erase(channel);
@@ -97,6 +102,8 @@ void Router::close(ChannelId channel) {
     broadcast_.erase(channel);
     down_.erase(channel);
     hosts_.erase(channel);
+    apart_.erase(channel);
+    replacing_.erase(channel);
     for (ChannelSet& also : also_) also.erase(channel);
     homes_changed_ = true;
     for (ChannelSet& port : port_channels_) port.erase(channel);
@@ -135,7 +142,7 @@ void Router::move(std::uint8_t source, ChannelId to) {
     note_move(source, to);
     ChannelSet& first = first_[source];
     const ChannelSet left = rivals(source, to);
-    if (was_first(source, to)) first -= bounds(source, to);
+    if (was_first(source, to)) first -= bounds(source, to) | mates(to);
     else if ((first & bounds(source, to)).empty()) first |= left;
     known_[source] = (known_[source] - left) | to;
     homes_changed_ = true;
@@ -143,7 +150,8 @@ void Router::move(std::uint8_t source, ChannelId to) {
 
 void Router::note_move(std::uint8_t source, ChannelId to) noexcept {
     const LinkId link = link_of_[index(to)];
-    const LinkSet from = known_[source].empty() ? left_[source] : links_of(known_[source]);
+    const LinkSet last = known_[source].empty() ? left_[source] : links_of(known_[source]);
+    const LinkSet from = last.empty() ? pinned_[source] : last;
     if (from.empty() || from.contains(link)) return;
     LinkSet& before = moved_from_[source];
     if (before.contains(link)) before.clear();
@@ -163,7 +171,7 @@ std::optional<Router::Moved> Router::pop_move() noexcept {
 }
 
 bool Router::was_first(std::uint8_t source, ChannelId channel) const noexcept {
-    return first_[source].contains(channel) || leads_to(first_[source], channel);
+    return !(first_[source] & (mates(channel) | channel)).empty();
 }
 
 Route Router::route(ChannelId from, std::uint8_t source, std::uint8_t destination, TimePoint now, ano::Intent intent) {
@@ -178,8 +186,8 @@ Route Router::spread(ChannelId from, std::uint8_t source, std::uint8_t destinati
     route.channels.erase(from);
     if (source == destination && route.channels.empty() && route.absent.empty()) to_namesakes(route, source, from, intent);
     if (grouped_) {
-        heard_link_[index(link_of_[index(from)])] = now;
-        keep_one_of_each_group(route, link_of_[index(from)], now);
+        if (!apart_.contains(from)) heard_link_[index(link_of_[index(from)])] = now;
+        keep_one_of_each_group(route, link_of_[index(from)], group_of(from), destination, now);
     }
     guard(route, destination);
     return route;
@@ -188,7 +196,7 @@ Route Router::spread(ChannelId from, std::uint8_t source, std::uint8_t destinati
 Route Router::find(LinkId from, std::uint8_t destination, TimePoint now, ano::Intent intent) {
     Route route;
     decide(route, destination, intent, now);
-    if (grouped_) keep_one_of_each_group(route, from, now);
+    if (grouped_) keep_one_of_each_group(route, from, links_[index(from)].group, destination, now);
     guard(route, destination);
     return route;
 }
@@ -273,7 +281,7 @@ ChannelSet Router::the_only_place(ChannelSet devices) const noexcept {
     const LinkSet links = links_of(devices);
     if (links.empty()) return {};
     const LinkRule& rule = links_[index(*links.begin())];
-    if (devices.has_several() && (rule.group == 0 || !(links - groups_[rule.group]).empty())) return {};
+    if (devices.has_several() && !(devices - members(rule.group)).empty()) return {};
     for (const LinkId link : links)
         if (links_[index(link)].acts_for_others) return {};
     for (const LinkId link : used_ - links) {
@@ -327,8 +335,9 @@ bool Router::is_alone(std::uint8_t source, ChannelId channel) const noexcept {
 // Adds all channels of the same groups.
 ChannelSet Router::places_of(ChannelSet channels) const noexcept {
     if (!grouped_) return channels;
-    for (const LinkId link : links_of(channels)) channels |= channels_of(mates(link));
-    return channels;
+    ChannelSet places = channels;
+    for (const ChannelId channel : channels) places |= mates(channel);
+    return places;
 }
 
 Router::Learned Router::learned(std::uint8_t a, TimePoint now) const {
@@ -390,9 +399,10 @@ void Router::learn(ChannelId from, std::uint8_t source, TimePoint now) {
         if (!links_[index(link_of_[index(from)])].teaches) return;
         if (source == address::unassigned || source == address::broadcast) return;
         if (claims(source, from)) return claim(source, from, now);
-        const bool adds_home = address::is_host(source) || (!pinned_[source].empty() && rivals(source, from).empty());
+        const bool has_homes = !known.empty() || !pinned_[source].empty();
+        const bool adds_home = has_homes && rivals(source, from).empty() && !may_replace(source, from);
         homes_changed_ = true;
-        if (adds_home || leads_to(known, from)) known.insert(from);
+        if (address::is_host(source) || adds_home) known.insert(from);
         else come_back(source, from, now);
     }
     heard(source, from) = now;
@@ -408,6 +418,7 @@ void Router::restore(std::uint8_t source, ChannelId channel, TimePoint at) {
     known_[source].insert(channel);
     homes_changed_ = true;
     heard(source, channel) = at;
+    if (apart_.contains(channel)) return;
     TimePoint& heard_link = heard_link_[index(link_of_[index(channel)])];
     heard_link = std::max(heard_link, at);
 }
@@ -439,15 +450,36 @@ bool Router::claims(std::uint8_t source, ChannelId channel) const noexcept {
     if (address::is_host(source) || source == address::unassigned || source == address::broadcast) return false;
     if (!links_[index(link_of_[index(channel)])].teaches) return false;
     if (is_outside(source, channel)) return true;
-    const ChannelSet known = rivals(source, channel);
-    if (known.contains(channel) || (known - down_).empty() || was_first(source, channel)) return false;
-    return !leads_to(known, channel);
+    if (known_[source].contains(channel)) return false;
+    return !(rivals(source, channel) - down_).empty() && !was_first(source, channel);
 }
 
 bool Router::is_outside(std::uint8_t source, ChannelId channel) const noexcept {
     const LinkSet pinned = pinned_[source];
     const LinkId link = link_of_[index(channel)];
-    return !pinned.empty() && !pinned.contains(link) && (pinned & mates(link)).empty();
+    if (pinned.empty() || pinned.contains(link)) return false;
+    return (pinned & links_beside(link)).empty() || (apart_.contains(channel) && !replacing_.contains(channel));
+}
+
+bool Router::may_replace(std::uint8_t source, ChannelId channel) const noexcept {
+    const LinkSet pinned = pinned_[source];
+    const LinkId link = link_of_[index(channel)];
+    return replacing_.contains(channel) && !pinned.contains(link) && !(pinned & links_beside(link)).empty();
+}
+
+// A pinned link is a home before the device was received there.
+ChannelSet Router::rivals(std::uint8_t source, ChannelId channel) const noexcept {
+    const ChannelSet unheard = may_replace(source, channel) ? channels_of(pinned_[source]) : ChannelSet{};
+    return (known_[source] | unheard) & bounds(source, channel);
+}
+
+// A device has one home, in a group one on each link. A pinned device has one on each of its links, and one on each other link of
+// their groups.
+ChannelSet Router::bounds(std::uint8_t source, ChannelId channel) const noexcept {
+    const LinkSet pinned = pinned_[source];
+    if (pinned.empty() || may_replace(source, channel)) return ~mates(channel);
+    const LinkId link = link_of_[index(channel)];
+    return channels_of((links_beside(link) - pinned) | link) - mates(channel);
 }
 
 // A claim of a pinned address on another link is refused without a question. It does not delay a claim on its own link.
@@ -515,17 +547,11 @@ ChannelSet Router::heard_from(std::uint8_t a, TimePoint now) const {
     return lately.empty() ? remembered : lately;
 }
 
-// The links of one group are one place. Otherwise each channel is a separate place, since the peers of a link are independent.
-bool Router::leads_to(ChannelSet known, ChannelId channel) const noexcept {
-    const std::uint8_t group = links_[index(link_of_[index(channel)])].group;
-    return group != 0 && !(links_of(known) & groups_[group]).empty();
-}
-
 // Whether no connected wire leads to any of these places.
 bool Router::is_cut_off(ChannelSet known) const noexcept {
     if (!are_all_down(known)) return false;
-    for (const LinkId link : links_of(known))
-        if (!are_all_down(channels_of(mates(link)))) return false;
+    for (const ChannelId channel : known)
+        if (!are_all_down(mates(channel))) return false;
     return true;
 }
 
@@ -547,34 +573,54 @@ void Router::to_links(Route& route, LinkSet links) const {
         if (channels_of_link_[index(link)].empty()) route.absent.insert(link);
 }
 
-// For each link the channel where the device is at home, else all its channels.
+// Also to a home that replaces a pinned one.
 void Router::to_pinned(Route& route, std::uint8_t destination) const {
     to_links(route, pinned_[destination]);
     if (address::is_host(destination)) return;
     const ChannelSet homes = known_[destination] - down_;
-    for (const LinkId link : pinned_[destination])
-        if (const ChannelSet all = channels_of_link_[index(link)]; !(all & homes).empty()) route.channels -= all - homes;
+    keep_homes(route.channels, pinned_[destination], homes);
+    for (const ChannelId home : homes& replacing_)
+        if (may_replace(destination, home)) route.channels.insert(home);
+}
+
+// Keeps for each link the channels where the device is at home, else all.
+void Router::keep_homes(ChannelSet& channels, LinkSet links, ChannelSet homes) const noexcept {
+    for (const LinkId link : links)
+        if (const ChannelSet all = channels_of_link_[index(link)]; !(channels & all & homes).empty()) channels -= all - homes;
 }
 
 // The other links of the group of `link`.
-LinkSet Router::mates(LinkId link) const noexcept { return groups_[links_[index(link)].group] - link; }
+LinkSet Router::links_beside(LinkId link) const noexcept { return groups_[links_[index(link)].group] - link; }
+
+// The members of the group of `channel` on other links: they lead to the same place. The peers of one link are independent.
+ChannelSet Router::mates(ChannelId channel) const noexcept {
+    return members(group_of(channel)) - channels_of_link_[index(link_of_[index(channel)])];
+}
 
 // A frame is sent to a group on one of its links. It is sent to the group it was received from only on the same link (to its
 // other peers). A port id always means that port.
-void Router::keep_one_of_each_group(Route& route, LinkId from, TimePoint now) const {
+void Router::keep_one_of_each_group(Route& route, LinkId from, std::uint8_t its_group, std::uint8_t destination,
+                                    TimePoint now) const {
     if (route.via == Via::port) return;
-    route.channels -= channels_of(mates(from));
-    route.absent -= mates(from);
+    if (its_group != 0) {
+        route.channels -= members(its_group) - channels_of_link_[index(from)];
+        route.absent -= links_beside(from);
+    }
+    const bool has_homes = destination != address::broadcast && !address::is_host(destination);
+    const ChannelSet homes = has_homes ? known_[destination] - down_ : ChannelSet{};
     const ChannelSet willing = route.via == Via::broadcast                               ? broadcast_
                                : route.via == Via::unknown && unknown_ == Unknown::flood ? flooded_
                                                                                          : ~ChannelSet{};
-    for (const LinkSet group : groups_) {
-        if (group.empty() || group.contains(from)) continue;
-        const ChannelSet members = channels_of(group);
-        if ((route.channels & members).empty() && (route.absent & group).empty()) continue;
-        const ChannelSet chosen = channels_of(best_of(group, members & willing, now)) & willing;
-        route.channels = (route.channels - members) | chosen;
-        route.guarded |= members;
+    for (std::uint8_t number = 1; number <= max_links; ++number) {
+        const LinkSet group = groups_[number];
+        if (group.empty() || number == its_group) continue;
+        const ChannelSet all = members(number);
+        if ((route.channels & all).empty() && (route.absent & group).empty()) continue;
+        const LinkSet best = best_of(group, all & willing, now);
+        ChannelSet chosen = channels_of(best) & all & willing;
+        keep_homes(chosen, best, homes);
+        route.channels = (route.channels - all) | chosen;
+        route.guarded |= all;
         if (!chosen.empty()) route.absent -= group;
     }
 }

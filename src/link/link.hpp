@@ -25,6 +25,9 @@ class LinkHost {
 public:
     /// A new channel of `link`; nullptr if all 64 are in use. Valid until close_channel(). Its outbox is closed at first.
     virtual Channel* open_channel(Link& link, std::string peer) = 0;
+    /// For a new channel whose peer is not trusted: it is not in the group of its link. `may_replace`: a device that is pinned to
+    /// another link of the group, and is silent there, may move to it.
+    virtual void leave_group(Channel&, bool) {}
     /// `why` is for the log: what its peer did; may be empty.
     virtual void close_channel(Channel& channel, std::string_view why) = 0;
 

@@ -100,6 +100,7 @@ public:
     void change(Settings settings, Difference difference, Duration patience, std::function<void()> on_changed);
 
     Channel* open_channel(Link& link, std::string peer) override;
+    void leave_group(Channel& channel, bool may_replace) override { forwarder_.leave_group(channel, may_replace); }
     void close_channel(Channel& channel, std::string_view why) override;
     void receive(Channel& from, ano::FrameView frame) override;
     void flush() override;

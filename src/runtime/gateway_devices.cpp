@@ -48,6 +48,10 @@ bool is_kept_name(std::string_view name) { return is_note(name) || address_of_li
 
 // The host of a peer in a network, without the port, which changes when a program restarts.
 std::string_view host_of(const Channel& channel) { return std::string_view{channel.peer}.substr(0, channel.peer.rfind(':')); }
+std::string group_of(const Gateway& gateway, const Channel& channel) {
+    const bool has_group = gateway.forwarder().router().group_of(channel.id) != 0;
+    return has_group ? gateway.settings(channel.link).group : std::string{};
+}
 std::string format_place(const std::string& link, std::string_view peer) {
     return peer.empty() ? link : link + " (" + std::string{peer} + ")";
 }
@@ -81,7 +85,7 @@ GatewayDevices::~GatewayDevices() {
 }
 
 bool GatewayDevices::Place::has(const Gateway& gateway, const Channel& channel) const {
-    const std::string& its_group = gateway.settings(channel.link).group;
+    const std::string its_group = group_of(gateway, channel);
     return its_group.empty() ? link == gateway.name(channel.link) && peer == host_of(channel) : group == its_group;
 }
 
@@ -98,7 +102,7 @@ GatewayDevices::Sender GatewayDevices::sender(const Channel& from, std::uint8_t 
     if (!is_at_home) return Sender::another;
     if (!last.link.empty() && service_.stays_lost(source) && !is_known_origin(gateway_, from, source))
         return log_unknown_sender(from, source), Sender::unknown;
-    last = {gateway_.name(from.link), gateway_.settings(from.link).group, std::string{host_of(from)}};
+    last = {gateway_.name(from.link), group_of(gateway_, from), std::string{host_of(from)}};
     return Sender::itself;
 }
 

@@ -20,7 +20,8 @@ namespace {
 // Of several conflicts of the link, shows the one that is easiest to fix.
 void set_shared(LinkFigures& f, const Gateway& gateway, const std::vector<Conflict>& conflicts, LinkId link) {
     const auto rank = [](SharedSource one) {
-        return one == SharedSource::two_peers       ? 4
+        return one == SharedSource::two_peers       ? 5
+               : one == SharedSource::of_a_group    ? 4
                : one == SharedSource::one_device    ? 3
                : one == SharedSource::two_devices   ? 2
                : one == SharedSource::claims_pinned ? 1

@@ -206,6 +206,23 @@ TEST(FewDescriptors, are_partly_reserved_for_status_and_reload) {
     }
 }
 
+TEST(FewDescriptors, are_not_all_used_for_the_peers_of_a_tcp_port) {
+    TempDir dir;
+    Daemon daemon{ANOGATED, dir / "control.sock", {"tcp-listen:127.0.0.1:0,name=tcp,max_peers=60"}, {}, [] {
+                      const rlimit few{48, 48};
+                      ::setrlimit(RLIMIT_NOFILE, &few);
+                  }};
+    ASSERT_TRUE(daemon.until_answers()) << daemon.output();
+    const std::uint16_t port = daemon.port("tcp");
+    Crowd peers;
+    for (int i = 0; i < 60; ++i) peers.add(connect_tcp(port), {});
+    for (int i = 0; i < 10; ++i) {
+        EXPECT_TRUE(http(dir / "control.sock", "GET /status HTTP/1.0\r\n\r\n", patience).starts_with("HTTP/1.0 200")) << i;
+        const std::string reload = http(dir / "control.sock", "POST /reload HTTP/1.0\r\nContent-Length: 0\r\n\r\n", patience);
+        EXPECT_TRUE(reload.starts_with("HTTP/1.0 200")) << i << ": " << reload;
+    }
+}
+
 // The ports of the links appear when all clients are connected.
 TEST(FewDescriptors, are_used_for_links_first) {
     constexpr int ports = 8;

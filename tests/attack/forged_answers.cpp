@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <atomic>
 #include <optional>
+#include <ostream>
 #include <string>
 #include <thread>
 #include <vector>
@@ -52,8 +53,25 @@ private:
     std::thread thread_;
 };
 
+/// The device is pinned to its link or not, and whether that link and the one of the strangers are of one group.
+struct Routed {
+    bool is_pinned = false;
+    const char* keys = "";           // of the device's link
+    const char* keys_beside = "";    // of the strangers' link
+    const char* name = "";
+    friend void PrintTo(const Routed& routed, std::ostream* out) { *out << routed.name; }
+};
+constexpr Routed pinned{true, "", "", "a_pinned_address"};
+constexpr Routed learned{false, "", "", "a_learned_address"};
+constexpr Routed pinned_in_a_group{true, ",group=air", ",group=air", "a_pinned_address_in_a_group"};
+constexpr Routed learned_in_a_group{false, ",group=air", ",group=air", "a_learned_address_in_a_group"};
+constexpr Routed pinned_with_others{true, ",group=air", ",group=air,trusted=127.0.0.9", "a_pinned_address_beside_trusted_peers"};
+constexpr Routed learned_with_others{false, ",group=air", ",group=air,trusted=127.0.0.9",
+                                     "a_learned_address_beside_trusted_peers"};
+constexpr auto name_of = [](const testing::TestParamInfo<Routed>& routed) { return std::string{routed.param.name}; };
+
 /// A flight controller at a serial port, whose address is pinned there or not. PAR_0 is 0.
-class ForgedAnswers : public testing::TestWithParam<bool> {
+class ForgedAnswers : public testing::TestWithParam<Routed> {
 protected:
     void SetUp() override {
         device.fake.make_parameters(10);
@@ -64,8 +82,9 @@ protected:
             return answers(asked);
         };
         device.start();
-        std::vector<std::string> words{"serial:" + (dir / "fc") + ",baud=115200,name=fc", "udp-listen:127.0.0.1:0,name=net"};
-        if (GetParam()) words.insert(words.end(), {"--route", "0xDC=fc"});
+        std::vector<std::string> words{"serial:" + (dir / "fc") + ",baud=115200,name=fc" + GetParam().keys,
+                                       std::string{"udp-listen:127.0.0.1:0,name=net"} + GetParam().keys_beside};
+        if (GetParam().is_pinned) words.insert(words.end(), {"--route", "0xDC=fc"});
         daemon.emplace(ANOGATED, socket, words, std::vector<std::string>{"STATE_DIRECTORY=" + (dir / "state")});
         ASSERT_TRUE(daemon->until_answers());
         ASSERT_TRUE(wait_until([&] { return asked(socket, "GET", "/devices/0xDC/parameters").status == 200; }));
@@ -163,9 +182,12 @@ TEST_P(ForgedAnswers, are_reported_with_hints_that_fit_the_configuration) {
     const Forger forger{daemon->port("net"), {frame(0xDC, 0xFF, 0x03, Bytes(7, 1))}};
     ASSERT_TRUE(daemon->until([&](const json&) { return !conflict().is_null(); }));
     EXPECT_EQ(conflict().at("home"), json{"fc"});
-    EXPECT_EQ(conflict().at("pinned"), GetParam());
+    EXPECT_EQ(conflict().at("pinned"), GetParam().is_pinned);
     ASSERT_TRUE(daemon->until_says("claimed by net ("));
-    if (GetParam()) {
+    if (*GetParam().keys != '\0') {
+        EXPECT_TRUE(daemon->until_says("if it is the device, add the address of the peer to `trusted`"));
+        EXPECT_EQ(daemon->output().find("--route"), std::string::npos) << daemon->output();
+    } else if (GetParam().is_pinned) {
         EXPECT_TRUE(daemon->until_says("0xDC is pinned to fc, and is claimed by net (127.0.0.1:"));
         EXPECT_EQ(daemon->output().find("--route"), std::string::npos) << daemon->output();
     } else {
@@ -194,8 +216,32 @@ TEST_P(ForgedAnswers, and_writes_from_other_hosts_block_no_command_and_no_other_
     EXPECT_NE(jobs.find("also writes to 0xDC"), std::string::npos) << "it is told: " << jobs;
 }
 
-INSTANTIATE_TEST_SUITE_P(At, ForgedAnswers, testing::Values(true, false),
-                         [](const auto& pinned) { return pinned.param ? "a_pinned_address" : "a_learned_address"; });
+// A group forwards only one copy of a frame. The answer that a stranger sends first must not be taken for the device's own.
+TEST_P(ForgedAnswers, that_equal_the_next_one_of_the_device_do_not_replace_it) {
+    const Bytes write = frame(0xFE, 0xDC, 0xE1, {0, 0, 7});
+    const Bytes check = frame(0xDC, 0xFE, 0x00, {write[3], write[write.size() - 2], write.back()});
+    const Forger forger{daemon->port("net"), {check, frame(0xDC, 0xFE, 0xE1, {0, 0, 7})}};
+    ASSERT_TRUE(wait_until([&] { return daemon->count("net", "frames_in") >= 20; }));
+    for (int i = 0; i < 3; ++i) {
+        const auto answer = asked(socket, "PUT", "/devices/0xDC/parameters/PAR_0", R"({"value": 7})");
+        ASSERT_EQ(answer.status, 200u) << answer.body;
+    }
+}
+
+// Frames for a group are sent on the link that received last.
+TEST_P(ForgedAnswers, and_other_frames_draw_no_command_away_from_the_device) {
+    const Forger forger{daemon->port("net"), {frame(0xDC, 0xFF, 0x03, Bytes(7, 1)), frame(0x33, 0xFF, 0x03, Bytes(7, 1))}, 1ms};
+    ASSERT_TRUE(wait_until([&] { return daemon->count("net", "frames_in") >= 20; }));
+    for (int i = 0; i < 5; ++i) {
+        const auto land = asked(socket, "POST", "/devices/0xDC/commands/LAND", "{}");
+        EXPECT_EQ(land.status, 200u) << land.body;
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(At, ForgedAnswers,
+                         testing::Values(pinned, learned, pinned_in_a_group, learned_in_a_group, pinned_with_others,
+                                         learned_with_others),
+                         name_of);
 
 // Actions that are permitted on the ground only, such as an upgrade, a calibration and the restore of defaults, need a device
 // without conflict.
@@ -209,42 +255,63 @@ TEST_P(ForgedClaims, of_a_pinned_address_block_nothing) {
     const auto written = asked(socket, "PUT", "/devices/0xDC/parameters/PAR_0", R"({"value": 5})");
     EXPECT_EQ(written.status, 200u) << written.body;
 }
-INSTANTIATE_TEST_SUITE_P(At, ForgedClaims, testing::Values(true), [](const auto&) { return "a_pinned_address"; });
+INSTANTIATE_TEST_SUITE_P(At, ForgedClaims, testing::Values(pinned, pinned_in_a_group, pinned_with_others), name_of);
 
-/// A flight controller in the network, whose address is pinned to a link on which others may send as well, or not. PAR_0 is 0.
+/// A flight controller in the network. PAR_0 is 0.
+class DeviceInTheNetwork {
+public:
+    explicit DeviceInTheNetwork(const std::string& local = "127.0.0.1:0") : peer_{local} {
+        device_.make_parameters(10);
+        device_.commands = {{{1, 0, 2}, {}, "LAND", ""}};
+        device_.instead = [this](ano::FrameView asked) {
+            return ignores_writes && asked.id() == 0xE1 ? std::optional{std::vector<Bytes>{}} : std::nullopt;
+        };
+    }
+    ~DeviceInTheNetwork() {
+        stops_ = true;
+        if (thread_.joinable()) thread_.join();
+    }
+    DeviceInTheNetwork(const DeviceInTheNetwork&) = delete;
+    DeviceInTheNetwork& operator=(const DeviceInTheNetwork&) = delete;
+
+    void start(std::uint16_t port) {
+        thread_ = std::thread{[this, port] {
+            for (int turn = 0; !stops_; ++turn) {
+                if (turn % 50 == 0) peer_.send(gateway(port), frame(0xDC, 0xFF, 0x03, Bytes(7)));
+                for (const Bytes& one : peer_.frames())
+                    for (const Bytes& said : device_.take(ano::FrameView{one})) peer_.send(gateway(port), said);
+                std::this_thread::sleep_for(2ms);
+            }
+        }};
+    }
+
+    std::atomic<bool> ignores_writes = false;
+
+private:
+    static anogate::Endpoint gateway(std::uint16_t port) { return {anogate::IpAddress::v4(127, 0, 0, 1), port}; }
+
+    FakeDevice device_;
+    UdpPeer peer_;
+    std::atomic<bool> stops_ = false;
+    std::thread thread_;
+};
+
+/// Its address is pinned to a link on which others may send as well, or not.
 class ForgedBeside : public testing::TestWithParam<bool> {
 protected:
     void SetUp() override {
-        device.make_parameters(10);
-        device.instead = [this](ano::FrameView asked) {
-            return ignores_writes && asked.id() == 0xE1 ? std::optional{std::vector<Bytes>{}} : std::nullopt;
-        };
         std::vector<std::string> words{"udp-listen:127.0.0.1:0,name=net"};
         if (GetParam()) words.insert(words.end(), {"--route", "0xDC=net"});
         daemon.emplace(ANOGATED, socket, words, std::vector<std::string>{"STATE_DIRECTORY=" + (dir / "state")});
         ASSERT_TRUE(daemon->until_answers());
-        answers = std::thread{[this, port = daemon->port("net")] {
-            for (int turn = 0; !stops; ++turn) {
-                if (turn % 50 == 0) peer.send(port, frame(0xDC, 0xFF, 0x03, Bytes(7)));
-                for (const Bytes& one : peer.frames())
-                    for (const Bytes& said : device.take(ano::FrameView{one})) peer.send(port, said);
-                std::this_thread::sleep_for(2ms);
-            }
-        }};
+        device.start(daemon->port("net"));
         ASSERT_TRUE(wait_until([&] { return asked(socket, "GET", "/devices/0xDC/parameters").status == 200; }));
     }
-    void TearDown() override {
-        stops = true;
-        if (answers.joinable()) answers.join();
-    }
 
-    std::atomic<bool> ignores_writes = false, stops = false;
     TempDir dir;
     std::string socket = dir / "control.sock";
-    FakeDevice device;
-    UdpPeer peer;
+    DeviceInTheNetwork device;
     std::optional<Daemon> daemon;
-    std::thread answers;
 };
 
 TEST_P(ForgedBeside, answers_to_a_read_and_to_a_write_are_not_accepted) {
@@ -259,7 +326,7 @@ TEST_P(ForgedBeside, answers_to_a_read_and_to_a_write_are_not_accepted) {
         ASSERT_EQ(answer.status, 200u) << answer.body;
         EXPECT_EQ(json::parse(answer.body).at("value"), 0) << answer.body;
     }
-    ignores_writes = true;
+    device.ignores_writes = true;
     const auto written = asked(socket, "PUT", "/devices/0xDC/parameters/PAR_0", R"({"value": 5})");
     EXPECT_GE(written.status, 400u) << written.body;
     EXPECT_NE(written.body.find("answers with the address 0xDC were received on net (127.0.0.1:"), std::string::npos)
@@ -268,6 +335,36 @@ TEST_P(ForgedBeside, answers_to_a_read_and_to_a_write_are_not_accepted) {
 
 INSTANTIATE_TEST_SUITE_P(At, ForgedBeside, testing::Values(true, false),
                          [](const auto& pinned) { return pinned.param ? "a_pinned_address" : "a_learned_address"; });
+
+/// A vehicle with two radios of one group, one at a serial port and one in the network, between which it changes.
+class RadiosOfAGroup : public ForgedAnswers {};
+
+TEST_P(RadiosOfAGroup, replace_each_other_while_a_stranger_sends) {
+    const auto land_is_answered = [&] { return asked(socket, "POST", "/devices/0xDC/commands/LAND", "{}").status == 200; };
+    DeviceInTheNetwork radio{"127.0.0.9:0"};
+    const unsigned calls = device.calls();
+    ASSERT_TRUE(wait_until(land_is_answered));
+    EXPECT_GT(device.calls(), calls);
+    device.mute(true);
+    radio.start(daemon->port("net"));
+    EXPECT_TRUE(wait_until(land_is_answered));
+    {
+        const Forger forger{daemon->port("net"), {frame(0xDC, 0xFE, 0xE1, {0, 0, 99})}};
+        ASSERT_TRUE(daemon->until([&](const json&) { return !conflict().is_null(); }));
+        for (int i = 0; i < 3; ++i) {
+            const auto answer = asked(socket, "GET", "/devices/0xDC/parameters/PAR_0");
+            ASSERT_EQ(answer.status, 200u) << answer.body;
+            EXPECT_EQ(json::parse(answer.body).at("value"), 0) << answer.body;
+            EXPECT_TRUE(land_is_answered());
+        }
+    }
+    device.mute(false);
+    EXPECT_TRUE(wait_until(land_is_answered));
+}
+
+INSTANTIATE_TEST_SUITE_P(At, RadiosOfAGroup,
+                         testing::Values(pinned_in_a_group, learned_in_a_group, pinned_with_others, learned_with_others),
+                         name_of);
 
 /// A vehicle in the network, lost in flight, and another sender on another link or on the same one.
 class LostVehicle : public testing::TestWithParam<const char*> {

@@ -426,6 +426,45 @@ TEST_F(Attack, a_peer_that_left_the_network_does_not_stop_what_is_sent_to_others
     EXPECT_TRUE(vehicle.gateway().counters_add_up());
 }
 
+// It only receives, so it sends nothing that shows that it has returned. While it is absent it receives one frame per second.
+TEST_F(Attack, a_peer_that_returns_to_the_network_receives_all_frames_from_the_third_on) {
+    there->ip("address add 10.0.0.3/24 dev eth0");
+    here->ip("ntable change name arp_cache dev eth0 retrans 100 mcast_probes 1");
+    auto link = udp_listen("ground", "0.0.0.0:0");
+    link.pack = false;
+    Vehicle vehicle{*here, "10.0.0.1", {link}};
+    const auto until = [&](const std::function<bool()>& holds) { return wait_until(holds, patience, [&] { vehicle.turn(); }); };
+    std::unique_ptr<UdpPeer> listener;
+    {
+        const Inside inside{*there};
+        listener = std::make_unique<UdpPeer>("10.0.0.3:0");
+    }
+    for (int i = 0; i < 2; ++i) listener->send(vehicle.ground(), vendor::who_are_you);
+    ASSERT_TRUE(until([&] { return vehicle.gateway().count("ground", "frames_in") == 2; }));
+    there->ip("address del 10.0.0.3/24 dev eth0");
+    here->ip("neigh flush to 10.0.0.3");
+    std::uint8_t n = 0;
+    ASSERT_TRUE(until([&] {
+        vehicle.send_from_fc(telemetry(0xDC, ++n));
+        return vehicle.gateway().count("ground", "send_failed") > 20;
+    }));
+    there->ip("address add 10.0.0.3/24 dev eth0");
+    listener->forget();
+    unsigned tries = 0;
+    Bytes sent;
+    ASSERT_TRUE(until([&] {    // two frames in a row
+        const auto received = split(listener->heard()).frames;
+        const bool has_both = std::find(received.begin(), received.end(), sent) != received.end() &&
+                              std::find(received.begin(), received.end(), telemetry(0xDC, static_cast<std::uint8_t>(n - 1))) !=
+                                  received.end();
+        tries = static_cast<unsigned>(received.size());
+        if (!has_both) vehicle.send_from_fc(sent = telemetry(0xDC, ++n));
+        return has_both;
+    }));
+    EXPECT_LE(tries, 5u) << "one per second until then";
+    EXPECT_TRUE(vehicle.gateway().counters_add_up());
+}
+
 // The victim is outside the networks of the vehicle; the traffic that reaches it is the gain of the attack.
 class Reflector : public Attack {
 protected:

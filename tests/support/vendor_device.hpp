@@ -40,6 +40,8 @@ public:
         disturbed_ = true;
         while (disturbed_) std::this_thread::sleep_for(std::chrono::milliseconds{1});
     }
+    /// It receives frames, but sends none.
+    void mute(bool is_mute) { is_mute_ = is_mute; }
     unsigned calls() const { return calls_; }
     unsigned frames() const { return frames_; }
     /// The largest number of zero bytes received in a row.
@@ -59,7 +61,7 @@ private:
             receive(port_.read());
             if (ano::Clock::now() < next) continue;
             next = ano::Clock::now() + std::chrono::milliseconds{100};
-            port_.write(frame(fake.address, 0xFF, 0x03, Bytes(7)));
+            if (!is_mute_) port_.write(frame(fake.address, 0xFF, 0x03, Bytes(7)));
         }
     }
     void receive(const Bytes& bytes) {
@@ -71,14 +73,15 @@ private:
             const ano::FrameView heard{frame};
             ++frames_;
             calls_ += heard.id() == 0xC0;
-            for (const Bytes& answer : fake.take(heard)) port_.write(answer);
+            for (const Bytes& answer : fake.take(heard))
+                if (!is_mute_) port_.write(answer);
         });
     }
 
     PtyDevice port_;
     FakeLoader loader_;
     ano::world::VendorParser parser_;
-    std::atomic<bool> stops_ = false, disturbed_ = false;
+    std::atomic<bool> stops_ = false, disturbed_ = false, is_mute_ = false;
     std::atomic<unsigned> calls_ = 0, frames_ = 0;
     std::size_t in_a_row_ = 0;
     std::atomic<std::size_t> zeros_ = 0;

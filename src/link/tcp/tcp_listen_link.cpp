@@ -1,6 +1,7 @@
 #include <ano/address.hpp>
 #include <config/key_rows.hpp>
 #include <config/link_kind.hpp>
+#include <link/check_group.hpp>
 #include <link/make_link.hpp>
 #include <link/tcp/tcp_keys.hpp>
 #include <link/tcp/tcp_listen_link.hpp>
@@ -8,6 +9,7 @@
 #include <link/tcp/tcp_socket.hpp>
 #include <link/udp/ip_socket.hpp>
 #include <link/v7_keys.hpp>
+#include <sys/descriptors_left.hpp>
 #include <sys/errors.hpp>
 
 #include <algorithm>
@@ -146,6 +148,7 @@ void TcpListenLink::on_accepted(UniqueFd fd, const Endpoint& peer) try {
         ++outsiders_;
         return;
     }
+    if (descriptors_left() < descriptors_of_links() / 2) return no_place_.add(now);    // those are for other links and `status`
     if (!handshakes_) return admit(std::move(fd), peer, {});
     if (!handshakes_->add(std::move(fd), peer, is_trusted(peer.address))) no_place_.add(now);
 } catch (const std::bad_alloc&) {
@@ -163,6 +166,9 @@ void TcpListenLink::admit(UniqueFd fd, const Endpoint& peer, std::shared_ptr<Tls
     if (!make_place(peer.address, now)) return no_place_.add(now);
     Channel* const channel = context_.host.open_channel(*this, peer.text());
     if (!channel) return no_place_.add(now);
+    const TcpListenSettings& tcp = settings().as<TcpListenSettings>();
+    const bool is_known = is_trusted(peer.address) || (encrypted && tcp.tls.verify == TlsVerify::peer);
+    if (!settings().group.empty() && !is_known) context_.host.leave_group(*channel, tcp.trusted.empty());
     set_tcp_options(fd.get(), settings().as<TcpListenSettings>().dead_after);
     try {
         connections_.push_back(std::make_unique<Connection>(*this, peer, is_trusted(peer.address), *channel));
@@ -317,7 +323,9 @@ constexpr Key<LinkSettings> own_tcp_listen_keys[] = {
     networks<TcpListen, &TcpListen::allow_any, &TcpListen::allow>(
         "allow", "networks that may connect, or any (default: the local networks)"),
     networks<TcpListen, &TcpListen::trusted_any, &TcpListen::trusted>(
-        "trusted", "networks for which a quarter of max_peers is reserved, or any (default: none)"),
+        "trusted",
+        "networks for which a quarter of max_peers is reserved, or any; of a group only these peers are members "
+        "(default: none)"),
 };
 constexpr auto tcp_listen_keys = with_v7(own_tcp_listen_keys, v7_rows<TcpListen>());
 
@@ -333,7 +341,9 @@ constexpr Key<LinkSettings> tls_listen_keys[] = {
     networks<TcpListen, &TcpListen::allow_any, &TcpListen::allow>(
         "allow", "networks that may connect, or any (default: the local networks)"),
     networks<TcpListen, &TcpListen::trusted_any, &TcpListen::trusted>(
-        "trusted", "networks for which a quarter of max_peers is reserved, or any (default: none)"),
+        "trusted",
+        "networks for which a quarter of max_peers is reserved, or any; of a group only these peers are members "
+        "(default: none)"),
     text<own<TcpListen>, &TcpListen::tls, &LinkCertificates::certificate>("certificate", 1, max_path, certificate_help) |
         as("FILE") | needed,
     text<own<TcpListen>, &TcpListen::tls, &LinkCertificates::key>("key", 1, max_path, key_help) | as("FILE") | needed,
@@ -347,7 +357,10 @@ void validate_tcp_listener(const LinkSettings& link, LinkFaults& faults) {
         faults.error("hello",
                      "'hello' is not possible on tcp-listen, where the device connects; for a device at a known address use "
                      "tcp:HOST:PORT,hello=on");
-    check_v7(link.as<TcpListen>().v7, faults);
+    const TcpListen& listen = link.as<TcpListen>();
+    const bool has_certificates = link.kind->encrypts && listen.tls.verify == TlsVerify::peer;
+    check_group(link, has_certificates || listen.trusted_any || !listen.trusted.empty(), faults);
+    check_v7(listen.v7, faults);
 }
 
 void validate_tls_listener(const LinkSettings& link, LinkFaults& faults) {

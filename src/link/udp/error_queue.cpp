@@ -43,8 +43,8 @@ IpAddress sender_of(const cmsghdr& c) noexcept {
 
 }    // namespace
 
-void keep_error_reports(int fd, bool v6_socket) noexcept {
-    const int on = 1;
+void keep_error_reports(int fd, bool v6_socket, bool keep) noexcept {
+    const int on = keep ? 1 : 0;
     ::setsockopt(fd, IPPROTO_IP, IP_RECVERR, &on, sizeof on);    // also for an IPv6 socket, which may send IPv4
     if (v6_socket) ::setsockopt(fd, IPPROTO_IPV6, IPV6_RECVERR, &on, sizeof on);
 }

@@ -3,8 +3,10 @@
 
 #include <ifaddrs.h>
 #include <linux/sock_diag.h>
+#include <linux/sockios.h>
 #include <net/if.h>
 #include <netinet/in.h>
+#include <sys/ioctl.h>
 
 #include <algorithm>
 #include <array>
@@ -244,6 +246,11 @@ Endpoint local_endpoint(int fd) noexcept {
     socklen_t size = sizeof storage;
     ::getsockname(fd, reinterpret_cast<sockaddr*>(&storage), &size);
     return endpoint_of(storage);
+}
+
+std::size_t unsent_datagrams(int fd) noexcept {
+    int bytes = 0;
+    return ::ioctl(fd, SIOCOUTQ, &bytes) == 0 && bytes > 0 ? static_cast<std::size_t>(bytes) : 0;
 }
 
 std::int64_t kernel_drops(int fd) noexcept {

@@ -55,6 +55,9 @@ Endpoint local_endpoint(int fd) noexcept;
 /// Number of datagrams that the kernel dropped because they were not read in time.
 std::int64_t kernel_drops(int fd) noexcept;
 
+/// Bytes that the kernel has not sent yet: it keeps those for a neighbor that has not answered.
+std::size_t unsent_datagrams(int fd) noexcept;
+
 /// Sends one datagram. Returns 0 or errno.
 int send_datagram(int fd, const Endpoint& to, std::span<const std::uint8_t> bytes, bool v6_socket) noexcept;
 

@@ -1,6 +1,7 @@
 #include <ano/address.hpp>
 #include <config/link_kind.hpp>
 #include <gateway/peers/far_peer.hpp>
+#include <link/check_group.hpp>
 #include <link/feed.hpp>
 #include <link/make_link.hpp>
 #include <link/udp/datagram_batch.hpp>
@@ -75,6 +76,7 @@ UdpListenLink::UdpListenLink(LinkId id, LinkSettings settings, const LinkContext
       book_{book_options(this->settings().as<UdpListenSettings>())},
       random_{random_number},
       check_{random_},
+      reports_again_{context.alarms, [this] { keep_error_reports(descriptor_.fd(), local_.address.v6); }},
       read_reports_{[this] { return read_reports(); }} {
     if (this->settings().as<UdpListenSettings>().v7.is_on())
         v7_probe_.emplace(ano::v7::FrameParser::Options{std::min<std::size_t>(this->settings().max_data, ano::v7::max_len)});
@@ -107,6 +109,7 @@ Opened<void> UdpListenLink::open() {
 
 void UdpListenLink::fail(LinkError why) {
     descriptor_.close();
+    reports_again_.cancel();
     next_turn_.cancel();
     interface_watch_.stop();
     pacing_.stop();
@@ -127,6 +130,7 @@ void UdpListenLink::stop() {
     next_turn_.cancel();
     interface_watch_.stop();
     pacing_.stop();
+    reports_again_.cancel();
     waiting_.clear();
     peers_.clear();
     book_.clear();
@@ -277,9 +281,24 @@ bool UdpListenLink::read_reports() {
     };
     const auto absent = [&](const Endpoint& there, const IpAddress& by) {
         Peer* const peer = find(there);
-        if (peer && networks_.have(by, now)) peer->absent_until = now + absent_for;    // others may forge it
+        if (!peer || !networks_.have(by, now)) return;    // others may forge it
+        peer->absent_until = now + absent_for;
+        peer->is_tried = false;
     };
-    return read_error_reports(descriptor_.fd(), refused, absent) > 0;
+    const std::size_t count = read_error_reports(descriptor_.fd(), refused, absent);
+    limit_reports(count, now);
+    return count > 0;
+}
+
+void UdpListenLink::limit_reports(std::size_t count, TimePoint now) {
+    if (!report_limit_.is_exceeded(count, now)) return;
+    keep_error_reports(descriptor_.fd(), local_.address.v6, false);
+    reports_again_.set(now + ReportLimit::period);
+}
+
+// The kernel has sent the last try, so the neighbor has answered.
+bool UdpListenLink::has_returned(const Peer& peer, TimePoint now) const {
+    return peer.is_tried && now >= peer.next_try && unsent_datagrams(descriptor_.fd()) == 0;
 }
 
 int UdpListenLink::send(const Endpoint& to, std::span<const std::uint8_t> bytes) {
@@ -318,9 +337,11 @@ void UdpListenLink::flush(Channel& channel) {
     DatagramSender::Path way{descriptor_.fd(), &peer.address, settings().pack ? settings().mtu : 0u, &read_reports_, SIZE_MAX};
     for (;;) {
         const TimePoint now = context_.host.now();
+        if (has_returned(peer, now)) peer.absent_until = {};
         if (now < peer.absent_until) {
             if (now < peer.next_try) return drop_all(channel.outbox, now, &SendCounters::send_failed);
             peer.next_try = now + between_tries;
+            peer.is_tried = true;
             way.max_bytes = channel.outbox.next(now).size;
         }
         const std::uint64_t sent_before = channel.outbox.counters().bytes_out;
@@ -350,9 +371,11 @@ void UdpListenLink::flush_v7(Peer& peer) {
     while (write_v7(peer) && !outbox.empty()) {
         const TimePoint now = context_.host.now();
         const std::size_t budget = pacing_.budget(outbox, now);
+        if (has_returned(peer, now)) peer.absent_until = {};
         if (now < peer.absent_until) {
             if (now < peer.next_try) return drop_all(outbox, now, &SendCounters::send_failed);
             peer.next_try = now + between_tries;
+            peer.is_tried = true;
         }
         std::span<const std::uint8_t> first;
         if (budget == 0 || outbox.gather({&first, 1}, now, budget) == 0) return;
@@ -436,7 +459,7 @@ constexpr Key<LinkSettings> own_listen_keys[] = {
     networks<Listen, &Listen::trusted_any, &Listen::trusted>(
         "trusted",
         "networks outside the local ones whose peers are sent to at once, or any; others get at most three "
-        "times what they send until they answer (default: none)"),
+        "times what they send until they answer; of a group only these peers are members (default: none)"),
 };
 constexpr auto listen_keys = with_v7(own_listen_keys, v7_rows<Listen>());
 
@@ -453,6 +476,7 @@ void validate_listener(const LinkSettings& link, LinkFaults& faults) {
                                     " peers is " + std::to_string(memory / 1'000'000) +
                                     " MB, more than 64 MB: reduce 'queue' or 'max_peers'");
     check_interface(listen.interface, listen.local, faults);
+    check_group(link, listen.trusted_any || !listen.trusted.empty(), faults);
     check_v7(listen.v7, faults);
 }
 

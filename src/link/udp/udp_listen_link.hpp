@@ -10,6 +10,7 @@
 #include <link/own_networks.hpp>
 #include <link/pacing.hpp>
 #include <link/reconnect.hpp>
+#include <link/udp/error_queue.hpp>
 #include <link/udp/ip_socket.hpp>
 #include <link/udp/udp_settings.hpp>
 #include <sys/descriptor.hpp>
@@ -82,6 +83,7 @@ private:
     Peer* admit(const Endpoint& endpoint, std::span<const std::uint8_t> datagram, TimePoint now);
     bool can_be_peer(const Endpoint& sender, TimePoint now);
     bool is_admitted(const Endpoint& sender, std::span<const std::uint8_t> datagram, TimePoint now, bool& commands);
+    bool is_trusted(const IpAddress& address) const;
     PeerBook::Rank rank_of(const Endpoint& endpoint, bool commands) const;
     Peer* make_peer(const Endpoint& endpoint, TimePoint now, PeerBook::Rank rank);
     void refuse(std::span<const std::uint8_t> datagram);
@@ -94,6 +96,8 @@ private:
     void evict(ChannelId channel, TimePoint now);
     void forget_overdue_peers();
     bool read_reports();
+    void limit_reports(std::size_t count, TimePoint now);
+    bool has_returned(const Peer& peer, TimePoint now) const;
     void expire(Peer& peer);
     void await_rest(Peer& peer);
     void flush_all();
@@ -125,6 +129,8 @@ private:
     std::uint64_t outsiders_ = 0;    // the same: outside `allow`
     std::string last_gateway_;       // the last of these gateways
     OwnNetworks networks_;
+    ReportLimit report_limit_;
+    Alarm reports_again_;    // while none are kept
     std::function<bool()> read_reports_;
     Endpoint local_;
 };

@@ -43,6 +43,7 @@ struct UdpListenLink::Peer {
     TimePoint suspended_until{};                 // its frames are refused until then
     TimePoint absent_until{};                    // until then it gets few datagrams: the kernel finds no host at its address
     TimePoint next_try{};                        // while it is absent
+    bool is_tried = false;                       // while it is absent: no report of a try was received yet
     TimePoint believed_again{};                  // from then on a datagram of it shows that it is not absent
     bool came = false;                           // a datagram of it was processed
     bool is_gateway = false;                     // according to its answer; removed when its datagram is processed

@@ -100,6 +100,8 @@ UdpListenLink::Peer* UdpListenLink::make_peer(const Endpoint& endpoint, TimePoin
         context_.host.close_channel(*channel, {});
         throw;
     }
+    const UdpListenSettings& udp = settings().as<UdpListenSettings>();
+    if (!settings().group.empty() && !is_trusted(endpoint.address)) context_.host.leave_group(*channel, udp.trusted.empty());
     channel->heard_at = now;         // its first frame may still be waiting behind a false header
     context_.host.link_up(*this);    // for the new channel
     book_.add(channel->id, endpoint, near, now, rank);
@@ -115,14 +117,18 @@ bool UdpListenLink::can_be_peer(const Endpoint& sender, TimePoint now) {
     return !sender.address.is_loopback() && !networks_.have(sender.address, now);
 }
 
+bool UdpListenLink::is_trusted(const IpAddress& address) const {
+    const UdpListenSettings& udp = settings().as<UdpListenSettings>();
+    return udp.trusted_any || contains(udp.trusted, address);
+}
+
 PeerBook::Rank UdpListenLink::rank_of(const Endpoint& endpoint, bool commands) const {
     if (contains(settings().as<UdpListenSettings>().trusted, endpoint.address)) return PeerBook::Rank::trusted;
     return commands ? PeerBook::Rank::commands : PeerBook::Rank::ordinary;
 }
 
 bool UdpListenLink::is_far(const IpAddress& address, TimePoint now) {
-    const UdpListenSettings& udp = settings().as<UdpListenSettings>();
-    return !joins_gateways() && !udp.trusted_any && !contains(udp.trusted, address) && !networks_.contain(address, now);
+    return !joins_gateways() && !is_trusted(address) && !networks_.contain(address, now);
 }
 
 bool UdpListenLink::allowed(const Endpoint& sender, TimePoint now) {

@@ -76,6 +76,22 @@ TEST(Config, warns_of_peers_that_may_use_too_much_memory_for_a_small_computer) {
     EXPECT_EQ(warnings("serial:/dev/ttyS0,queue=60000000"), "");
 }
 
+TEST(Config, warns_of_a_listening_link_of_a_group_that_trusts_nobody) {
+    const auto warns = [](const std::string& link) {
+        const auto config = parse_config("{\"links\": [\"sim:fc,group=a\", \"" + link + "\"]}");
+        return lines(config.warnings).find("without 'trusted', no peer of this link is in the group") != std::string::npos;
+    };
+    for (const std::string kind : {"udp-listen", "tcp-listen"}) {
+        EXPECT_TRUE(warns(kind + ":127.0.0.1:1,group=a"));
+        EXPECT_FALSE(warns(kind + ":127.0.0.1:1,group=a,trusted=10.0.0.7"));
+        EXPECT_FALSE(warns(kind + ":127.0.0.1:1,group=a,trusted=any"));
+        EXPECT_FALSE(warns(kind + ":127.0.0.1:1"));
+    }
+    EXPECT_FALSE(warns("udp:10.0.0.7:1,group=a"));
+    EXPECT_TRUE(warns("tls-listen:127.0.0.1:1,group=a,certificate=a,key=b,verify=none"));
+    EXPECT_FALSE(warns("tls-listen:127.0.0.1:1,group=a,certificate=a,key=b,ca=c")) << "its peers have certificates";
+}
+
 TEST(Config, warns_of_settings_without_a_useful_effect) {
     const auto warnings = [](const std::string& json) { return lines(parse_config(json).warnings); };
     EXPECT_EQ(warnings("{}"), "anogated: warning: the configuration has no links, so no frames will be forwarded\n");

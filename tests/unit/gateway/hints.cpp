@@ -148,8 +148,12 @@ TEST(Hint, a_source_on_two_links_is_reported_as_one_device_or_two) {
 
 // The hints at the links of one conflict, which share its meaning and ring, whatever other state each link has.
 TEST(Hint, two_hints_for_one_conflict_never_contradict_each_other) {
-    const std::string meanings[] = {"ring", "one_device_on_two_links", "two_devices_one_id", "two_peers_one_device",
-                                    "pinned_address_claimed"};
+    const std::string meanings[] = {"ring",
+                                    "one_device_on_two_links",
+                                    "two_devices_one_id",
+                                    "two_peers_one_device",
+                                    "pinned_address_claimed",
+                                    "untrusted_peer_of_group"};
     const auto is_meaning = [&](std::string_view id) {
         return std::find(std::begin(meanings), std::end(meanings), id) != std::end(meanings);
     };
@@ -167,8 +171,8 @@ TEST(Hint, two_hints_for_one_conflict_never_contradict_each_other) {
         if (other == 6) link.undelivered_for = std::chrono::seconds{9};
         return link;
     };
-    for (const SharedSource shared :
-         {SharedSource::one_device, SharedSource::two_devices, SharedSource::two_peers, SharedSource::claims_pinned})
+    for (const SharedSource shared : {SharedSource::one_device, SharedSource::two_devices, SharedSource::two_peers,
+                                      SharedSource::claims_pinned, SharedSource::of_a_group})
         for (const bool ring : {false, true})
             for (const int one : others)
                 for (const int other : others) {

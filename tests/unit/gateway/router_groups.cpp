@@ -104,5 +104,110 @@ TEST(Router, broadcasts_are_not_sent_to_group_members_without_the_broadcast_sett
     expect(net.route(0, 0xFE, 0xDC), channels({1}), Via::learned);
 }
 
+// Link 1 is a radio at a serial port, link 2 listens; its peers 2 and 10 are trusted, 11 and 12 are not.
+struct ListeningMember : testing::Test {
+    ListeningMember() {
+        for (const unsigned peer : {10u, 11u, 12u}) net->open(channel(peer), link(2));
+        net->leave_group(channel(11), true);
+        net->leave_group(channel(12), false);
+    }
+    Net net{{}, {{}, {.group = 1}, {.group = 1}, {}}};
+    const std::vector<std::pair<int, ChannelSet>> only_the_radio{{0xDC, channels({1})}};
+};
+
+TEST_F(ListeningMember, of_a_group_has_one_home_of_a_device) {
+    net.route(1, 0xDC, 0xFF);
+    net.route(2, 0xDC, 0xFF);
+    EXPECT_FALSE(net->claims(0xDC, channel(1)));
+    EXPECT_FALSE(net->claims(0xDC, channel(2)));
+    net.route(10, 0xDC, 0xFF);
+    EXPECT_TRUE(net->claims(0xDC, channel(10)));
+    EXPECT_EQ(net.asked(), (std::vector<std::pair<int, ChannelSet>>{{0xDC, channels({2})}}));
+    net.silence();
+    EXPECT_FALSE(net->claims(0xDC, channel(10)));
+    EXPECT_FALSE(net->claims(0xDC, channel(1))) << "the other link of the group stays its home";
+    EXPECT_FALSE(net->pop_move()) << "it is on the same links";
+    net.route(10, 0xDC, 0xFF);
+    expect(net.route(0, 0xFE, 0xDC), channels({10}), Via::learned);
+}
+
+TEST_F(ListeningMember, has_peers_that_are_not_in_the_group) {
+    net.route(1, 0xDC, 0xFF);
+    for (const unsigned stranger : {11u, 12u}) {
+        net.now += 20s;
+        net.route(1, 0xDC, 0xFF);
+        net.route(stranger, 0xDC, 0xFF);
+        EXPECT_TRUE(net->claims(0xDC, channel(stranger)));
+        EXPECT_EQ(net.asked(), only_the_radio);
+        net.route(1, 0xDC, 0xFF);
+        EXPECT_EQ(net->conflicts(net.now).size(), 1u);
+        expect(net.route(0, 0xFE, 0xDC), channels({1}), Via::learned);
+        EXPECT_TRUE(net->claims(0xDC, channel(stranger)));
+    }
+}
+
+TEST_F(ListeningMember, receives_no_frames_instead_of_another_because_a_stranger_sent_last) {
+    net.route(1, 0xDC, 0xFF);
+    net.now += 10ms;
+    net.route(11, 0x33, 0xFF);
+    expect(net.route(0, 0xFE, 0xDC), channels({1}), Via::learned);
+    expect(net.route(0, 0xFE, 0xFF), channels({1, 3, 11, 12}), Via::broadcast);
+    expect(net.route(11, 0x33, 0xFF), channels({0, 1, 3, 12}), Via::broadcast);
+}
+
+TEST_F(ListeningMember, replaces_a_pinned_radio_that_is_silent) {
+    net->pin(0xDC, 0xDC, link(1));
+    for (const unsigned member : {2u, 10u}) net->close(channel(member));
+    net.route(12, 0xDC, 0xFF);
+    EXPECT_TRUE(net->claims(0xDC, channel(12)));
+    EXPECT_TRUE(net.asked().empty()) << "its link has `trusted`: it is not asked for the others";
+    net.route(11, 0xDC, 0xFF);
+    EXPECT_EQ(net.asked(), only_the_radio) << "although nothing was received there yet";
+    expect(net.route(0, 0xFE, 0xDC), channels({1}), Via::pinned);
+    net.route(1, 0xDC, 0xFF);
+    EXPECT_TRUE(net->claims(0xDC, channel(11)));
+    EXPECT_FALSE(net->next_question()) << "it was refused";
+    net.now += 20s;
+    net.route(11, 0xDC, 0xFF);
+    net.silence();
+    EXPECT_FALSE(net->claims(0xDC, channel(11)));
+    expect(net.route(0, 0xFE, 0xDC), channels({1, 11}), Via::pinned);
+    auto moved = net->pop_move();
+    ASSERT_TRUE(moved);
+    EXPECT_EQ(moved->from, links({1}));
+    EXPECT_EQ(moved->to, link(2));
+    net.now += 10s;
+    net.route(1, 0xDC, 0xFF);
+    moved = net->pop_move();
+    ASSERT_TRUE(moved) << "it has returned";
+    EXPECT_EQ(moved->to, link(1));
+    EXPECT_TRUE(net->claims(0xDC, channel(11)));
+    expect(net.route(0, 0xFE, 0xDC), channels({1}), Via::pinned);
+}
+
+TEST_F(ListeningMember, replaces_a_pinned_radio_at_once_with_a_trusted_peer) {
+    net->pin(0xDC, 0xDC, link(1));
+    net.route(1, 0xDC, 0xFF);
+    net.route(2, 0xDC, 0xFF);
+    EXPECT_FALSE(net->claims(0xDC, channel(2)));
+    net.now += 10ms;
+    net.route(2, 0xDC, 0xFF);
+    expect(net.route(0, 0xFE, 0xDC), channels({2}), Via::pinned);
+    net.route(10, 0xDC, 0xFF);
+    EXPECT_TRUE(net->claims(0xDC, channel(10))) << "of two peers of the link, the first is its home";
+}
+
+TEST_F(ListeningMember, replaces_a_pinned_radio_that_is_down) {
+    net->pin(0xDC, 0xDC, link(1));
+    net.route(11, 0xDC, 0xFF);
+    net->went_down(channel(1));
+    EXPECT_FALSE(net->claims(0xDC, channel(11)));
+    EXPECT_TRUE(net->pop_move());
+    net->came_up(channel(1));
+    net.route(1, 0xDC, 0xFF);
+    EXPECT_FALSE(net->claims(0xDC, channel(1)));
+    EXPECT_TRUE(net->claims(0xDC, channel(11)));
+}
+
 }    // namespace
 }    // namespace router_groups_tests

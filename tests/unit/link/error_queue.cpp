@@ -50,5 +50,35 @@ TEST(ErrorReports, of_the_local_system_are_read_but_not_counted) {
     EXPECT_EQ(::poll(&there, 1, 0), 0) << "or it would be looked at again and again";
 }
 
+TEST(ErrorReports, that_are_not_kept_let_no_call_fail) {
+    support::UdpPeer sender;
+    const anogate::Endpoint closed = support::UdpPeer{}.local();
+    const auto ignore = [](const anogate::Endpoint&, const anogate::IpAddress&) {};
+    anogate::keep_error_reports(sender.fd(), false);
+    ASSERT_TRUE(sender.send(closed, Bytes{1}));
+    pollfd there{sender.fd(), 0, 0};
+    ASSERT_EQ(::poll(&there, 1, 10'000), 1);
+    anogate::keep_error_reports(sender.fd(), false, false);
+    EXPECT_EQ(anogate::read_error_reports(sender.fd(), ignore), 0u);
+    sender.send(closed, Bytes{1});    // may still fail because of the first one
+    for (int i = 0; i < 20; ++i) EXPECT_TRUE(sender.send(closed, Bytes{1}));
+    anogate::keep_error_reports(sender.fd(), false);
+    EXPECT_TRUE(support::wait_until([&] {
+        sender.send(closed, Bytes{1});
+        return anogate::read_error_reports(sender.fd(), ignore) > 0;
+    }));
+}
+
+TEST(ErrorReports, are_limited_per_second) {
+    using namespace std::chrono_literals;
+    anogate::ReportLimit limit;
+    ano::TimePoint now{1h};
+    for (int second = 0; second < 3; ++second, now += 1s) {
+        EXPECT_FALSE(limit.is_exceeded(anogate::ReportLimit::max_reports, now));
+        EXPECT_FALSE(limit.is_exceeded(0, now + 500ms));
+        EXPECT_TRUE(limit.is_exceeded(1, now + 999ms));
+    }
+}
+
 }    // namespace
 }    // namespace error_queue_tests
