@@ -300,6 +300,14 @@ TYPED_TEST(V7Link, the_gateway_acknowledges_for_a_device_that_never_does) {
     EXPECT_EQ(line.host_got(), Frames{acknowledged(imu, command)});
 }
 
+TEST(V7Links, a_device_that_uses_v8_is_named) {
+    SerialWire wire;
+    RunningGateway gateway{settings_of_texts({wire.link() + v7_keys})};
+    ASSERT_TRUE(gateway.until_up("fc"));
+    for (int n = 0; n < 20; ++n) wire.write(frame(imu, host, 0x03, Bytes(7)));
+    EXPECT_TRUE(gateway.until([&] { return gateway.link("fc")["hint_id"] == "no_v7_frames"; })) << gateway.link("fc");
+}
+
 TEST(V7Links, a_device_plugged_in_again_has_no_requests_of_before) {
     SerialWire wire;
     Line line{wire};

@@ -20,6 +20,8 @@ export const hints: Record<string, string> = {
   v7_frames: "收到旧版 V7 帧（0xAA）：请给这条链路加上 {keys}，或者把设备切换到 V8 协议",
   v7_frames_only: "收到旧版 V7 帧（0xAA）：请把设备切换到 V8 协议",
   no_frames: "有数据但没有有效帧：对方使用的是 ANO V8 协议吗？",
+  no_v7_frames: "有数据但没有有效的 V7 帧：请检查波特率；如果设备使用 V8，请去掉 protocol=v7",
+  no_v7_frames_any_more: "{seconds} 秒内有数据但没有有效的 V7 帧：请检查波特率和设备的协议",
   no_frames_any_more: "{seconds} 秒内有数据但没有有效帧：对方还在使用 ANO V8 协议吗？",
   no_frames_at_baud: "有数据但没有有效帧：请检查波特率和协议",
   no_frames_at_baud_any_more: "{seconds} 秒内有数据但没有有效帧：请检查波特率和固件",
