@@ -218,8 +218,8 @@ TEST_P(ForgedAnswers, and_writes_from_other_hosts_block_no_command_and_no_other_
 
 // A group forwards only one copy of a frame. The answer that a stranger sends first must not be taken for the device's own.
 TEST_P(ForgedAnswers, that_equal_the_next_one_of_the_device_do_not_replace_it) {
-    const Bytes write = frame(0xFE, 0xDC, 0xE1, {0, 0, 7});
-    const Bytes check = frame(0xDC, 0xFE, 0x00, {write[3], write[write.size() - 2], write.back()});
+    const Bytes written = frame(0xFE, 0xDC, 0xE1, {0, 0, 7});
+    const Bytes check = frame(0xDC, 0xFE, 0x00, {written[3], written[written.size() - 2], written.back()});
     const Forger forger{daemon->port("net"), {check, frame(0xDC, 0xFE, 0xE1, {0, 0, 7})}};
     ASSERT_TRUE(wait_until([&] { return daemon->count("net", "frames_in") >= 20; }));
     for (int i = 0; i < 3; ++i) {
@@ -334,7 +334,7 @@ TEST_P(ForgedBeside, answers_to_a_read_and_to_a_write_are_not_accepted) {
 }
 
 INSTANTIATE_TEST_SUITE_P(At, ForgedBeside, testing::Values(true, false),
-                         [](const auto& pinned) { return pinned.param ? "a_pinned_address" : "a_learned_address"; });
+                         [](const auto& is_pinned) { return is_pinned.param ? "a_pinned_address" : "a_learned_address"; });
 
 /// A vehicle with two radios of one group, one at a serial port and one in the network, between which it changes.
 class RadiosOfAGroup : public ForgedAnswers {};
