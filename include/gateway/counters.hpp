@@ -34,7 +34,7 @@ struct SendCounters {
     std::uint64_t queue_full{};     // dropped for newer frames
     std::uint64_t stale{};          // waited longer than its age limit
     std::uint64_t limited{};        // above the rate limit of its id
-    std::uint64_t denied_out{};     // refused by a filter, or because the link is in exclusive use
+    std::uint64_t denied_out{};     // refused by a filter or by the rules of V7, or because the link is in exclusive use
     std::uint64_t link_down{};      // the link was down, or went down
     std::uint64_t too_big{};        // more DATA than the link supports
     std::uint64_t send_failed{};    // refused by the operating system
@@ -106,7 +106,7 @@ inline constexpr CounterRow<SendCounters> send_counters[] = {
     {"queue_full", &SendCounters::queue_full, "dropped because the queue was full"},
     {"stale", &SendCounters::stale, "dropped because they had waited too long"},
     {"limited", &SendCounters::limited, "dropped by a rate limit"},
-    {"denied_out", &SendCounters::denied_out, "not sent, refused by a filter"},
+    {"denied_out", &SendCounters::denied_out, "refused by a filter of the link, or not permitted in V7"},
     {"link_down", &SendCounters::link_down, "not sent, the link was down"},
     {"too_big", &SendCounters::too_big, "not sent, more DATA than the link carries"},
     {"send_failed", &SendCounters::send_failed, "not sent, refused by the system"},

@@ -14,7 +14,10 @@ std::bitset<256> v7_ids_in(std::span<const std::uint8_t> bytes) noexcept;
 /// taken for an LX IMU, and everything else for a board of the user. 0: `ids` is empty.
 std::uint8_t guess_v7_device(const std::bitset<256>& ids) noexcept;
 
-/// The keys of a link with that device: "protocol=v7,v7_device=0xDD".
+/// Whether only requests were received: their sender is a host program.
+bool is_v7_host(const std::bitset<256>& ids) noexcept;
+
+/// The keys of a link with that device: "protocol=v7,v7_device=0xDE".
 std::string v7_link_keys(std::uint8_t device);
 
 }    // namespace anogate

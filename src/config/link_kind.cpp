@@ -11,6 +11,11 @@ bool may_use_v7(const LinkKind& kind) noexcept {
     return std::any_of(kind.keys.begin(), kind.keys.end(), [](const auto& key) { return key.name == "v7_device"; });
 }
 
+bool uses_v7(const LinkSettings& link) {
+    const Key<LinkSettings>* const key = find_key(link.kind->keys, "protocol");
+    return key != nullptr && key->text_in(link) == "v7";
+}
+
 const LinkKind* find_link_kind(LinkKinds kinds, std::string_view name) noexcept {
     for (const LinkKind* kind : kinds)
         if (kind->name == name) return kind;

@@ -136,6 +136,8 @@ protected:
 
 /// Whether links of this kind have the key `protocol`.
 bool may_use_v7(const LinkKind& kind) noexcept;
+/// Whether this link has `protocol=v7`.
+bool uses_v7(const LinkSettings& link);
 
 /// nullptr: no kind has that name.
 const LinkKind* find_link_kind(LinkKinds kinds, std::string_view name) noexcept;

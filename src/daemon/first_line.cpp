@@ -43,7 +43,8 @@ std::string first_line(const Settings& settings, std::string_view source, const 
     std::string line = "anogated " ANOGATE_VERSION ", " + std::string{source} + ", " + count(settings.links.size(), "link");
     for (const LinkSettings& link : settings.links)
         if (const auto bound = bound_port_of(link); bound && link.kind->listens)
-            line += "; " + link.name + (bound->is_tcp ? ": TCP " : ", for ground stations: UDP ") + addresses(bound->local, own);
+            line += "; " + link.name + (bound->is_tcp || uses_v7(link) ? ": " : ", for ground stations: ") +
+                    (bound->is_tcp ? "TCP " : "UDP ") + addresses(bound->local, own);
     return line;
 }
 

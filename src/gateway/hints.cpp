@@ -151,10 +151,12 @@ Hint wrong_frames(const LinkFigures& link) {
 // The device is guessed from the last bytes; if they contain no V7 frame, it remains open.
 Hint v7_frames(const LinkFigures& link) {
     if (!link.may_use_v7) return {"v7_frames_only", "older V7 frames (0xAA) received: switch the device to protocol V8"};
-    const std::uint8_t device = guess_v7_device(v7_ids_in(link.skipped));
-    std::string keys = device == 0 ? "protocol=v7,v7_device=ID" : v7_link_keys(device);
+    const std::bitset<256> ids = v7_ids_in(link.skipped);
+    std::string keys = ids.none()        ? "protocol=v7,v7_device=ID"
+                       : is_v7_host(ids) ? "protocol=v7,v7_role=host,v7_device=ID"
+                                         : v7_link_keys(guess_v7_device(ids));
     return {"v7_frames",
-            "older V7 frames (0xAA) received: add " + keys + " to this link, or switch the device to protocol V8",
+            "older V7 frames (0xAA) received: add " + keys + " to this link, or switch its sender to protocol V8",
             {{"keys", keys}}};
 }
 

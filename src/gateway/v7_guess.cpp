@@ -4,6 +4,11 @@
 #include <ano/v7.hpp>
 
 namespace anogate {
+namespace {
+
+constexpr std::uint8_t lx_imu = 0xDD;
+
+}    // namespace
 
 std::bitset<256> v7_ids_in(std::span<const std::uint8_t> bytes) noexcept {
     std::bitset<256> ids;
@@ -16,7 +21,7 @@ std::bitset<256> v7_ids_in(std::span<const std::uint8_t> bytes) noexcept {
 }
 
 std::uint8_t guess_v7_device(const std::bitset<256>& ids) noexcept {
-    constexpr std::uint8_t lx_imu = 0xDD, flow = 0xDE, board_of_user = 1;
+    constexpr std::uint8_t flow = 0xDE, board_of_user = 1;
     if (ids.none()) return 0;
     if (ids[0x40] || ids[0xFA]) return lx_imu;
     if (ids[0x51]) return flow;
@@ -25,6 +30,16 @@ std::uint8_t guess_v7_device(const std::bitset<256>& ids) noexcept {
     return board_of_user;
 }
 
-std::string v7_link_keys(std::uint8_t device) { return "protocol=v7,v7_device=" + ano::hex_byte(device); }
+bool is_v7_host(const std::bitset<256>& ids) noexcept {
+    constexpr std::size_t check = 0x00, command = 0xE0, read = 0xE1, write = 0xE2;
+    auto others = ids;
+    for (const std::size_t id : {check, command, read, write}) others.reset(id);
+    return others.none() && (ids[command] || ids[read]);
+}
+
+// The Euler angles of LX units have other signs than their quaternion (0x04).
+std::string v7_link_keys(std::uint8_t device) {
+    return "protocol=v7,v7_device=" + ano::hex_byte(device) + (device == lx_imu ? ",attitude=lx" : "");
+}
 
 }    // namespace anogate

@@ -17,11 +17,6 @@
 namespace anogate {
 namespace {
 
-bool uses_v7(const Link& link) {
-    const LinkFacts facts = link.facts();
-    return std::any_of(facts.begin(), facts.end(), [](const auto& fact) { return fact.first == "protocol"; });
-}
-
 LinkHints with_v7(LinkHints words) {
     words.no_frames = {"no_v7_frames",
                        "data but no valid V7 frames: check the baud rate; if the device uses V8, remove protocol=v7"};
@@ -152,7 +147,7 @@ LinkReport report_of(const Gateway& gateway, const LinkState& state, TimePoint n
     const LinkTraffic& traffic = gateway.forwarder().traffic(state.link->id());
     LinkFigures& f = report.figures;
     f.words = state.link->settings().kind->hints;
-    if (uses_v7(*state.link)) f.words = with_v7(f.words);
+    if (uses_v7(state.link->settings())) f.words = with_v7(f.words);
     f.up = state.up;
     f.to_utf8 = [](std::span<const std::uint8_t> text) {
         try {

@@ -104,7 +104,7 @@ TEST_F(RawBytes, are_rejected_for_other_link_kinds) {
         EXPECT_TRUE(until([&] { return raw.ended.has_value(); }));
         EXPECT_EQ(raw.ended->answer.status, status) << link;
         if (status == 409u) {
-            EXPECT_NE(raw.ended->answer.body.find("only those of serial, pty and udp links"), std::string::npos);
+            EXPECT_NE(raw.ended->answer.body.find("only those of serial, hid, pty and udp links"), std::string::npos);
         } else {
             EXPECT_NE(raw.ended->answer.body.find("unknown link 'nobody'; links: "), std::string::npos) << raw.ended->answer.body;
         }
@@ -180,15 +180,14 @@ TEST(Terminal, shows_the_v7_frames_of_a_link_in_both_directions) {
     Daemon daemon{
         ANOGATED, socket, {"serial:" + (dir / "imu") + ",protocol=v7,v7_device=0xDD", "udp-listen:127.0.0.1:0,name=ground"}};
     ASSERT_TRUE(daemon.until_up("imu"));
-    Shell terminal{"sleep 100 | exec " ANOCTL " terminal imu --v7 --json --control " + socket};
-    ASSERT_TRUE(terminal.until_says("press Enter"));
+    Process terminal{ANOCTL, {"terminal", "imu", "--v7", "--json", "--control", socket}};
+    ASSERT_TRUE(terminal.until_says("shows the V7 frames"));
     device.write(Bytes{0x00, 0xAA} + v7_frame(0xAF, 0x03, {1, 0, 2, 0, 3, 0, 1}));
     ASSERT_TRUE(terminal.until_says("\"direction\":\"in\""));
     EXPECT_TRUE(terminal.until_says("\"to\":175,\"id\":3,\"name\":\"euler\"")) << terminal.output();
     station.send(daemon.port("ground"), frame(0xFE, 0xDD, 0xC0, {0x10, 0, 1}));
     EXPECT_TRUE(terminal.until_says("\"direction\":\"out\"")) << terminal.output();
     EXPECT_TRUE(terminal.until_says("\"name\":\"command\"")) << terminal.output();
-    terminal.end();
 }
 
 TEST(Terminal, captures_the_v7_frames_of_a_link_for_wireshark) {
@@ -199,8 +198,8 @@ TEST(Terminal, captures_the_v7_frames_of_a_link_for_wireshark) {
     Daemon daemon{
         ANOGATED, socket, {"serial:" + (dir / "imu") + ",protocol=v7,v7_device=0xDD", "udp-listen:127.0.0.1:0,name=ground"}};
     ASSERT_TRUE(daemon.until_up("imu"));
-    Shell terminal{"sleep 100 | exec " ANOCTL " terminal imu --pcapng " + capture + " --control " + socket};
-    ASSERT_TRUE(terminal.until_says("press Enter")) << terminal.output();
+    Process terminal{ANOCTL, {"terminal", "imu", "--pcapng", capture, "--control", socket}};
+    ASSERT_TRUE(terminal.until_says("writes the V7 frames to")) << terminal.output();
     const Bytes euler = v7_frame(0xAF, 0x03, {1, 0, 2, 0, 3, 0, 1});
     device.write(Bytes{0x00, 0xAA} + euler);
     station.send(daemon.port("ground"), frame(0xFE, 0xDD, 0xC0, {0x10, 0, 1}));
@@ -210,7 +209,8 @@ TEST(Terminal, captures_the_v7_frames_of_a_link_for_wireshark) {
         return captured().find(std::string{bytes.begin(), bytes.end()}) != std::string::npos;
     };
     EXPECT_TRUE(wait_until([&] { return contains(euler) && contains(device.heard()); }));
-    terminal.end();
+    terminal.signal(SIGTERM);
+    EXPECT_EQ(terminal.wait(), 0);
     EXPECT_EQ(captured().find("dropped"), std::string::npos);
     Process again{ANOCTL, {"terminal", "imu", "--pcapng", capture, "--control", socket}};
     EXPECT_EQ(again.wait(), 2);
@@ -239,7 +239,7 @@ TEST(Terminal, escapes_received_lines_sends_lines_and_releases_the_link_when_it_
     })) << "its client was killed";
     Process unknown{ANOCTL, {"terminal", "ground", "--control", socket}};
     EXPECT_EQ(unknown.wait(), 1);
-    EXPECT_NE(unknown.output().find("only those of serial, pty and udp links"), std::string::npos) << unknown.output();
+    EXPECT_NE(unknown.output().find("only those of serial, hid, pty and udp links"), std::string::npos) << unknown.output();
 }
 
 // The time at which each frame was written, reported by the link itself: a device that is read late proves nothing.

@@ -178,11 +178,16 @@ private:
         else encoding_ = options_.encoding.value_or(ano::Encoding::utf8);
         text_ = RawText{{options_.hex, encoding_}};
         const bool may_send = about.value("may_send", false);
-        std::string words = options_.link + ": " + (may_send ? "press Enter to send a line" : "read only");
+        const bool sends = may_send && !options_.v7 && !capture_;
+        std::string words = options_.link + ": " +
+                            (capture_      ? "writes the V7 frames to " + options_.pcapng
+                             : options_.v7 ? std::string{"shows the V7 frames"}
+                             : sends       ? std::string{"press Enter to send a line"}
+                                           : std::string{"read only"});
         if (options_.exclusive) words += "; no frames are forwarded to it meanwhile";
         if (streams_.in_is_terminal) words += "; Ctrl-C exits";
         print_note(streams_, words);
-        if (may_send && !lines_)
+        if (sends && !lines_)
             lines_ = std::make_unique<Lines>(
                 io_, streams_.in, [this](const std::string& line) { send(line); }, [this] { end_soon(); });
     }
@@ -296,7 +301,7 @@ std::string read_line_end(const std::string& word, std::string& end) {
 
 Run add_terminal(Options& options) {
     const auto self = std::make_shared<TerminalOptions>();
-    options.push_back({"link", &self->link, "LINK", "Name of a serial, pty or udp link of the running gateway", true});
+    options.push_back({"link", &self->link, "LINK", "Name of a serial, hid, pty or udp link of the running gateway", true});
     options.push_back({"--hex", &self->hex, "", "Show hex digits, and send lines of hex digits"});
     options.push_back(
         {"--v7", &self->v7, "", "Show the frames of protocol version 7 in the bytes, and nothing else", false, {"--hex"}});

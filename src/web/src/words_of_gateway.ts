@@ -122,7 +122,7 @@ export const causes: Record<string, [string, string]> = {
   queue_full: ["the queue was full", "队列已满"],
   stale: ["waited too long", "等待过久"],
   limited: ["above the rate limit", "超过速率限制"],
-  denied_out: ["not sent: refused by a filter", "被发送过滤器拒绝"],
+  denied_out: ["refused by a filter of the link, or not permitted in V7", "被链路的过滤器拒绝，或 V7 不允许"],
   link_down: ["the link was down", "链路断开"],
   too_big: ["more DATA than the link can carry", "DATA 超过链路允许的长度"],
   send_failed: ["refused by the system", "被系统拒绝"],

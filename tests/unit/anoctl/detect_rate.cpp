@@ -135,7 +135,8 @@ TEST(DetectRate, proposes_the_link_of_a_device_with_the_previous_version) {
     for (const Sender& sender : {Sender{{0x03, 0x40, 0xFA}, "0x03, 0x40, 0xFA", "0xDD"},
                                  Sender{{0x34, 0x51, 0x01}, "0x01, 0x34, 0x51", "0xDE"}, Sender{{0xF1}, "0xF1", "0x01"}}) {
         const Speaker speaker{v7_at_115200(sender.ids)};
-        const std::string link = "serial:" + speaker.path() + ",baud=115200,protocol=v7,v7_device=" + sender.device;
+        const std::string link = "serial:" + speaker.path() + ",baud=115200,protocol=v7,v7_device=" + sender.device +
+                                 (sender.device == "0xDD" ? ",attitude=lx" : "");
         const Found found = detect(speaker.path());
         EXPECT_EQ(found.exit, 0) << found.wrong;
         EXPECT_EQ(found.out,

@@ -42,6 +42,10 @@ TEST(FirstLine, shows_the_address_to_enter_in_a_ground_station) {
               "computer only)");
 }
 
+TEST(FirstLine, proposes_no_port_of_protocol_v7_for_ground_stations) {
+    EXPECT_EQ(said({"udp-listen:10.0.0.2:7,name=a,protocol=v7,v7_device=0xDD"}), "my.json, 1 link; a: UDP 10.0.0.2:7");
+}
+
 TEST(FirstLine, reports_that_there_is_no_address_yet) {
     EXPECT_EQ(said({"udp-listen:0.0.0.0:12333,name=g"}, networks({"127.0.0.1/8"})),
               "my.json, 1 link; g, for ground stations: UDP port 12333 of this computer, which has no network address yet");

@@ -106,7 +106,7 @@ TEST(Hint, for_v7_frames_proposes_the_keys_with_the_device_guessed_from_the_last
         EXPECT_EQ(found.id, "v7_frames");
         const std::string keys = std::get<std::string>(found.args.at(0).second);
         EXPECT_EQ(found.text,
-                  "older V7 frames (0xAA) received: add " + keys + " to this link, or switch the device to protocol V8");
+                  "older V7 frames (0xAA) received: add " + keys + " to this link, or switch its sender to protocol V8");
         return keys;
     };
     using support::operator+;
@@ -114,11 +114,14 @@ TEST(Hint, for_v7_frames_proposes_the_keys_with_the_device_guessed_from_the_last
     EXPECT_EQ(proposed({}), "protocol=v7,v7_device=ID");
     EXPECT_EQ(proposed(support::Bytes{7, 1, 2} + support::v7_frame(0xFF, 0x51, {0, 1, 0, 0, 9}) + incomplete),
               "protocol=v7,v7_device=0xDE");
-    EXPECT_EQ(proposed(attitude + support::v7_frame(0xAF, 0xFA, {8, 0})), "protocol=v7,v7_device=0xDD");
+    EXPECT_EQ(proposed(attitude + support::v7_frame(0xAF, 0xFA, {8, 0})), "protocol=v7,v7_device=0xDD,attitude=lx");
     EXPECT_EQ(proposed(support::v7_frame(0xFF, 0x51, {0, 1, 0, 0, 9}) + support::v7_frame(0xAF, 0x40, support::Bytes(20))),
-              "protocol=v7,v7_device=0xDD");
-    EXPECT_EQ(proposed(attitude), "protocol=v7,v7_device=0xDD");
+              "protocol=v7,v7_device=0xDD,attitude=lx");
+    EXPECT_EQ(proposed(attitude), "protocol=v7,v7_device=0xDD,attitude=lx");
     EXPECT_EQ(proposed(support::v7_frame(0xFF, 0xF2, {1})), "protocol=v7,v7_device=0x01");
+    const support::Bytes request = support::v7_frame(0x60, 0xE1, {1, 0});
+    EXPECT_EQ(proposed(request), "protocol=v7,v7_role=host,v7_device=ID");
+    EXPECT_EQ(proposed(attitude + request), "protocol=v7,v7_device=0xDD,attitude=lx");
 }
 
 TEST(Hint, frames_dropped_by_filters_and_limits_are_not_reported) {
