@@ -11,11 +11,12 @@
 namespace anogate {
 namespace {
 
-constexpr int max_lookups = 8;    // threads at a time
+constexpr ano::Duration slow = std::chrono::seconds{1};
 
 struct Answer {
     std::vector<IpAddress> addresses{};
     std::string fault{};
+    ano::Duration took{};
 };
 
 // Runs in a thread.
@@ -45,8 +46,10 @@ struct Resolver::Query {
     explicit Query(asio::io_context& io) : worker{io} {}
 
     BackgroundTask worker;
-    std::vector<IpAddress> addresses{};    // the last answer
-    ano::TimePoint asked_at = ano::TimePoint::min();
+    std::vector<IpAddress> addresses{};                 // the last answer
+    ano::TimePoint asked_at = ano::TimePoint::min();    // for that answer
+    ano::TimePoint wanted_at{};
+    bool is_slow = false;    // the last time
     std::vector<std::pair<const void*, Done>> waiting{};
     std::vector<std::pair<const void*, Done>> called{};    // being called now
 
@@ -64,6 +67,7 @@ Resolver::Resolver(asio::io_context& io, ano::Duration kept_for) : io_{io}, kept
 Resolver::~Resolver() { stop(); }
 
 void Resolver::stop() noexcept {
+    queue_.clear();
     for (auto& [host, query] : queries_) {
         query->waiting.clear();
         query->worker.stop(ano::TimePoint::min());
@@ -76,20 +80,49 @@ void Resolver::resolve(const std::string& host, ano::TimePoint now, const void* 
     const bool is_known = !query->addresses.empty() && now - query->asked_at < kept_for_;
     if (is_known) return done(query->addresses, {});
     query->waiting.emplace_back(asker, std::move(done));
-    if (query->worker.is_running()) return;
-    const auto is_running = [](const auto& one) { return one.second->worker.is_running(); };
-    if (std::count_if(queries_.begin(), queries_.end(), is_running) >= max_lookups)
-        return query->complete({}, "too many name lookups at once; it is tried again");
-    query->asked_at = now;
+    if (query->worker.is_running() || std::find(queue_.begin(), queue_.end(), host) != queue_.end()) return;
+    query->wanted_at = now;
+    queue_.push_back(host);
+    look_up_next();
+}
+
+bool Resolver::has_place(const Query& query) const {
+    int all = 0, slow_ones = 0;
+    for (const auto& [host, one] : queries_) {
+        if (!one->worker.is_running()) continue;
+        ++all;
+        slow_ones += one->is_slow ? 1 : 0;
+    }
+    return all < max_lookups && (!query.is_slow || slow_ones < max_slow);
+}
+
+void Resolver::look_up_next() {
+    std::erase_if(queue_, [this](const std::string& host) { return queries_[host]->waiting.empty(); });
+    for (;;) {
+        const auto next = std::find_if(queue_.begin(), queue_.end(),
+                                       [this](const std::string& host) { return has_place(*queries_[host]); });
+        if (next == queue_.end()) return;
+        const std::string host = *next;
+        queue_.erase(next);
+        look_up(host, *queries_[host]);
+    }
+}
+
+void Resolver::look_up(const std::string& host, Query& query) {
+    query.asked_at = query.wanted_at;
     const auto answer = std::make_shared<Answer>();
-    const auto work = [host, answer] { *answer = ask_system(host); };
-    const bool runs = query->worker.run(work, [this, host, answer](const std::string& broken) {
-        Query& mine = *queries_[host];
-        mine.addresses = answer->addresses;
-        const std::string fault = broken.empty() ? answer->fault : broken;
-        mine.complete(answer->addresses, fault);
+    const auto work = [host, answer] {
+        const ano::TimePoint begin = ano::Clock::now();
+        *answer = ask_system(host);
+        answer->took = ano::Clock::now() - begin;
+    };
+    const bool runs = query.worker.run(work, [this, answer, &query](const std::string& broken) {
+        query.addresses = answer->addresses;
+        query.is_slow = answer->took > slow;
+        query.complete(answer->addresses, broken.empty() ? answer->fault : broken);
+        look_up_next();
     });
-    if (!runs) query->complete({}, std::string{query->worker.why_not()});
+    if (!runs) query.complete({}, std::string{query.worker.why_not()});
 }
 
 void Resolver::cancel(const void* asker) noexcept {

@@ -171,5 +171,34 @@ TEST(SlowNames, do_not_block_the_loop_and_do_not_delay_the_shutdown) {
     EXPECT_LT(ano::Clock::now() - start, 10s) << "the lookup takes 15 s";
 }
 
+TEST(SlowNames, do_not_keep_another_name_from_being_found) {
+    ANOGATE_NEEDS_NAMESPACES();
+    const TempDir dir;
+    const Namespace space;
+    const Inside inside{space};
+    UdpPeer server{"127.0.0.9:53"};    // never answers
+    dir.write("resolv.conf", "nameserver 127.0.0.9\noptions timeout:5 attempts:3\n");
+    dir.write("nsswitch.conf", "hosts: files dns\n");
+    dir.write("hosts", "127.0.0.2 good.test\n");
+    const auto with_those_files = [&] {
+        ::unshare(CLONE_NEWNS);
+        ::mount(nullptr, "/", nullptr, MS_REC | MS_PRIVATE, nullptr);
+        for (const std::string file : {"resolv.conf", "nsswitch.conf", "hosts"})
+            ::mount((dir / file).c_str(), ("/etc/" + file).c_str(), nullptr, MS_BIND, nullptr);
+    };
+    std::vector<std::string> links;
+    for (int n = 0; n < 12; ++n)
+        links.push_back("tcp:slow" + std::to_string(n) + ".example.org:9000,name=slow" + std::to_string(n));
+    links.push_back("udp:good.test:9000,name=good");
+    Daemon daemon{ANOGATED, dir / "s", links, {}, with_those_files};
+    ASSERT_TRUE(daemon.until_answers()) << daemon.output();
+    ASSERT_TRUE(wait_until([&] {
+        const auto all = daemon.status().at("links");
+        return std::any_of(all.begin(), all.end(),
+                           [](const auto& link) { return link.at("name") == "good" && link.at("state") == "up"; });
+    }));
+    EXPECT_EQ(daemon.output().find("too many"), std::string::npos) << daemon.output();
+}
+
 }    // namespace
 }    // namespace host_names_tests

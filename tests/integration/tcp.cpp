@@ -322,5 +322,117 @@ TEST_F(Tcp, a_cut_wire_is_detected_by_a_connection_that_sends_and_by_one_that_on
     RecordProperty("seconds", std::to_string(std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count()));
 }
 
+// A wire to a peer in another namespace that can be cut and restored: the peer loses its address. (If its end of the veth were
+// set down, our kernel would keep packets until it finds the peer again.)
+struct CutTcp : Tcp {
+    void join() { here->join(*there, "w0", "10.0.0.1/24", "10.0.0.2/24"); }
+    void listen() {
+        const Inside inside{*there};
+        bridge.emplace("10.0.0.2:7001");
+    }
+    void cut() { there->ip("address del 10.0.0.2/24 dev w0"); }
+    void restore() { there->ip("address add 10.0.0.2/24 dev w0"); }
+    std::int64_t unacknowledged_ms() { return daemon->link("fc").value("unacknowledged_ms", std::int64_t{}); }
+
+    std::optional<NetworkNamespace> here;
+    std::optional<Namespace> there;
+    std::optional<TcpListener> bridge;
+};
+
+// Frames in the kernel can neither expire nor be replaced by newer ones.
+TEST_F(CutTcp, while_nothing_is_acknowledged_frames_wait_in_the_queue_where_they_expire) {
+    ANOGATE_NEEDS_NAMESPACES();
+    here.emplace();
+    there.emplace();
+    join();
+    listen();
+    start({bridge->link("fc"), "udp-listen:127.0.0.1:0,name=ground"});
+    UdpPeer ground;
+    TcpPeer fc;
+    ASSERT_TRUE(accepts(*bridge, fc));
+    const auto stick = [&] {
+        ground.send(port("ground"), frame(0xFE, 0xDC, 0x40, Bytes(20)));
+        daemon->run_for(20ms);    // one second of them fits into the kernel
+    };
+    fc.send(vendor::i_am_an_mcu);
+    stick();
+    ASSERT_TRUE(daemon->until([&] { return !fc.heard().empty(); }));
+    cut();
+    ASSERT_TRUE(daemon->until([&] {
+        stick();
+        return unacknowledged_ms() > 600;
+    }));
+    const auto written = daemon->count("fc", "frames_out");
+    ASSERT_TRUE(daemon->until([&] {
+        stick();
+        return unacknowledged_ms() > 1000;
+    }));
+    EXPECT_EQ(daemon->count("fc", "frames_out"), written);
+    EXPECT_TRUE(daemon->until([&] {
+        stick();
+        return daemon->count("fc", "stale") + daemon->count("fc", "superseded") > 0;
+    }));
+    restore();
+    EXPECT_TRUE(daemon->until([&] {
+        stick();
+        return daemon->count("fc", "frames_out") > written + 3;
+    })) << daemon->link("fc");
+    EXPECT_TRUE(daemon->counters_add_up());
+}
+
+// The commands in the kernel would otherwise arrive after newer ones that the other link has delivered.
+TEST_F(CutTcp, a_group_closes_a_connection_that_acknowledges_nothing_and_its_frames_are_not_delivered_later) {
+    ANOGATE_NEEDS_NAMESPACES();
+    here.emplace();
+    there.emplace();
+    join();
+    listen();
+    const TempDir dir;
+    PtyDevice cable{dir / "fc"};
+    start({"serial:" + cable.path() + ",name=cable,group=fc", bridge->link("fc") + ",group=fc",
+           "udp-listen:127.0.0.1:0,name=ground"});
+    UdpPeer ground;
+    TcpPeer fc;
+    ASSERT_TRUE(accepts(*bridge, fc));
+    ASSERT_TRUE(daemon->until_up("cable") && daemon->until_up("fc"));
+    ground.send(port("ground"), vendor::who_are_you);
+    ASSERT_TRUE(until_channels("ground", 1));
+    cable.write(frame(0x05, 0xFE, 0x03, {1, 0, 0, 0, 0, 0, 0}));
+    ASSERT_TRUE(daemon->until([&] { return daemon->count("cable", "frames_in") == 1; }));
+    fc.send(frame(0x05, 0xFE, 0x03, {2, 0, 0, 0, 0, 0, 0}));
+    ASSERT_TRUE(daemon->until([&] { return daemon->count("fc", "frames_in") == 1; }));
+    cut();
+    std::vector<Bytes> sent;
+    const auto command = [&] {
+        const auto n = static_cast<std::uint8_t>(sent.size());
+        sent.push_back(frame(0xFE, 0x05, 0xC0, {1, 0, 0, n, static_cast<std::uint8_t>(sent.size() >> 8)}));
+        ground.send(port("ground"), sent.back());
+    };
+    std::size_t late = 0;    // the first command after this one is not sent to the cut connection alone
+    ASSERT_TRUE(daemon->until([&] {
+        command();
+        daemon->run_for(10ms);
+        if (late == 0 && unacknowledged_ms() > 400) late = sent.size();
+        return !daemon->up("fc");
+    })) << daemon->link("fc");
+    ASSERT_GT(late, 0u);
+    EXPECT_EQ(daemon->link("fc").at("error_id"), "peer_silent");
+    EXPECT_TRUE(daemon->until([&] {
+        const auto heard = split(cable.heard()).frames;
+        return std::all_of(sent.begin() + static_cast<std::ptrdiff_t>(late), sent.end(),
+                           [&](const Bytes& one) { return std::count(heard.begin(), heard.end(), one) == 1; });
+    })) << "commands that were sent after 400 ms are on the cable";
+    const std::size_t heard = fc.heard().size();
+    restore();
+    TcpPeer again;
+    ASSERT_TRUE(accepts(*bridge, again));
+    ASSERT_TRUE(daemon->until([&] {
+        fc.send(Bytes(1));
+        return fc.is_closed();
+    }));
+    EXPECT_EQ(fc.heard().size(), heard);
+    EXPECT_TRUE(again.heard().empty());
+}
+
 }    // namespace
 }    // namespace tcp_tests

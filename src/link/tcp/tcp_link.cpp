@@ -20,7 +20,7 @@ const HostSpec& tcp_peer(const LinkSettings& link) { return link.as<TcpSettings>
 
 TcpLink::TcpLink(LinkId id, LinkSettings settings, const LinkContext& context)
     : Link{id, std::move(settings)},
-      TcpSession{context},
+      TcpSession{context, this->settings(), this->settings().as<TcpSettings>().dead_after},
       connector_{context, tcp_peer(this->settings()), this->settings().as<TcpSettings>().dead_after,
                  [this](UniqueFd fd, const Endpoint& peer) { connected(std::move(fd), peer); },
                  [this](LinkError why) { reconnect_.lost(std::move(why)); }},
@@ -65,8 +65,7 @@ void TcpLink::read_ended(int error) {
         return fail({"closed_by_peer", peer + " closed the connection", {{"peer", peer}}});
     if (error == ETIMEDOUT || error == EHOSTUNREACH || error == ENETUNREACH)
         return fail({"peer_silent",
-                     peer + " acknowledged nothing for " + duration_text(settings().as<TcpSettings>().dead_after) +
-                         ": the connection is broken",
+                     peer + " acknowledged nothing for " + duration_text(silent_for()) + ": the connection is broken",
                      {{"peer", peer}}});
     fail(error_text(peer, error));
 }

@@ -27,6 +27,7 @@ public:
 private:
     void connected(UniqueFd fd, const Endpoint& peer);
     void opened() override;
+    void acknowledges_nothing() override { context_.host.report_unreachable(*this); }
     void read_ended(int error) override;
     void failed(int error) override { read_ended(error); }
     void fail(LinkError why);

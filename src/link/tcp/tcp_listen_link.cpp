@@ -38,7 +38,7 @@ ConnectionPlaces tcp_places(const TcpListenSettings& tcp) {
 class TcpListenLink::Connection final : public TcpSession {
 public:
     Connection(TcpListenLink& link, const Endpoint& peer, bool is_trusted, Channel& its_channel)
-        : TcpSession{link.context_},
+        : TcpSession{link.context_, link.settings(), link.settings().as<TcpListenSettings>().dead_after},
           id{its_channel.id},
           address{peer.address},
           since{link.context_.host.now()},
@@ -71,6 +71,7 @@ private:
         heard_.set(frame.source());
         StreamSession::receive(frame);
     }
+    void acknowledges_nothing() override { context_.host.report_unreachable(link_); }
     void read_ended(int error) override { link_.end(*this, cause_of(error)); }
     void failed(int error) override { link_.end(*this, cause_of(error)); }
     std::string cause_of(int error) const {

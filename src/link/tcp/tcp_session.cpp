@@ -1,13 +1,27 @@
 #include <link/tcp/tcp_session.hpp>
 #include <link/tcp/tcp_socket.hpp>
 
+#include <algorithm>
 #include <cerrno>
 #include <utility>
 
 namespace anogate {
+namespace {
 
-TcpSession::TcpSession(const LinkContext& context)
+constexpr Duration look_again = std::chrono::milliseconds{50};
+constexpr Duration patience_in_group = std::chrono::seconds{1};
+
+// Frames in the kernel must not be delivered when they are stale, nor after newer frames that another link of the group delivers.
+Duration patience_of(const LinkSettings& link, Duration dead_after) {
+    return std::min(dead_after, link.group.empty() ? std::max(link.age.rest, patience_in_group) : patience_in_group);
+}
+
+}    // namespace
+
+TcpSession::TcpSession(const LinkContext& context, const LinkSettings& link, Duration dead_after)
     : StreamSession{context},
+      dead_after_{dead_after},
+      patience_{patience_of(link, dead_after)},
       step_{context.io},
       handshake_ends_{context.alarms,
                       [this] {
@@ -16,7 +30,8 @@ TcpSession::TcpSession(const LinkContext& context)
                           failed(ETIMEDOUT);
                       }},
       read_on_{context.alarms, [this] { read_again(); }},
-      write_on_{context.alarms, [this] { write(); }} {}
+      write_on_{context.alarms, [this] { write(); }},
+      give_up_{context.alarms, [this] { give_up_if_silent(); }} {}
 
 TcpSession::~TcpSession() { step_.stop(ano::TimePoint::min()); }
 
@@ -32,9 +47,11 @@ void TcpSession::close() noexcept {
     handshake_ends_.cancel();
     read_on_.cancel();
     write_on_.cancel();
+    give_up_.cancel();
     in_flight_limit_ = {};
     step_.stop(ano::TimePoint::min());
-    outstanding_ = 0;
+    unacknowledged_ = {};
+    gave_up_ = false;
     StreamSession::close();
 }
 
@@ -67,11 +84,21 @@ std::size_t TcpSession::not_acknowledged() const {
 }
 
 std::chrono::milliseconds TcpSession::not_acknowledged_for() const {
-    const std::size_t now_outstanding = not_acknowledged();
     const TimePoint now = context_.host.now();
-    if (now_outstanding < outstanding_ || outstanding_ == 0) outstanding_since_ = now;
-    outstanding_ = now_outstanding;
-    return std::chrono::duration_cast<std::chrono::milliseconds>(outstanding_ == 0 ? Duration{} : now - outstanding_since_);
+    unacknowledged_.see(not_acknowledged(), now);
+    return std::chrono::duration_cast<std::chrono::milliseconds>(unacknowledged_.age(now));
+}
+
+// A connection whose peer does not read is closed by the kernel, after dead_after.
+void TcpSession::give_up_if_silent() {
+    if (!is_open() || is_opening() || not_acknowledged() == 0) return;
+    const Duration age = not_acknowledged_for();
+    const Duration longest = std::max<Duration>(patience_, 4 * round_trip(fd()).now);
+    if (age < longest) return give_up_.set(context_.host.now() + longest - age);
+    if (waits_for_reader(fd())) return give_up_.set(context_.host.now() + patience_);
+    gave_up_ = true;
+    abort_connection(fd());
+    failed(ETIMEDOUT);
 }
 
 bool TcpSession::begin_step() {
@@ -93,7 +120,12 @@ ssize_t TcpSession::read_some(std::span<std::uint8_t> room) {
 
 bool TcpSession::waits_for_acknowledgement() {
     const TimePoint now = context_.host.now();
-    const Duration wait = in_flight_limit_.wait(outstanding_, now, [this] { return round_trip(fd()); });
+    const auto measure = [this] { return round_trip(fd()); };
+    Duration wait = in_flight_limit_.wait(unacknowledged_.bytes(), now, measure);
+    if (unacknowledged_.is_late(now, measure)) {
+        acknowledges_nothing();
+        wait = look_again;
+    }
     if (wait > Duration::zero()) write_on_.set(now + wait);
     else write_on_.cancel();
     return write_on_.is_set();
@@ -113,7 +145,10 @@ ssize_t TcpSession::write_some(std::span<const iovec> pieces) {
     std::size_t count = 0;
     while (count < pieces.size() && (count == 0 || bytes + pieces[count].iov_len <= max_not_sent))
         bytes += pieces[count++].iov_len;
-    return tls_ ? tls_->write(pieces.first(count)) : StreamSession::write_some(pieces.first(count));
+    const ssize_t n = tls_ ? tls_->write(pieces.first(count)) : StreamSession::write_some(pieces.first(count));
+    if (n > 0) unacknowledged_.wrote(static_cast<std::size_t>(n));
+    if (n > 0 && !give_up_.is_set()) give_up_.set(context_.host.now() + patience_);
+    return n;
 }
 
 }    // namespace anogate

@@ -3,6 +3,7 @@
 #include <link/stream_session.hpp>
 #include <link/tcp/in_flight_limit.hpp>
 #include <link/tcp/tls_context.hpp>
+#include <link/tcp/unacknowledged_data.hpp>
 #include <sys/background_task.hpp>
 
 #include <chrono>
@@ -16,7 +17,8 @@ class TcpSession : public StreamSession {
 public:
     static constexpr Duration handshake_patience = std::chrono::seconds{10};
 
-    explicit TcpSession(const LinkContext& context);
+    /// `dead_after`: of the connection, see set_tcp_options().
+    TcpSession(const LinkContext& context, const LinkSettings& link, Duration dead_after);
     ~TcpSession() override;
 
     /// To be called before each open(); nullptr: not encrypted.
@@ -26,10 +28,17 @@ public:
     std::string tls_fault() const;
 
 protected:
+    /// Data waits for an acknowledgement for much longer than the path needs, and more is to be sent: another link of the group
+    /// should be used.
+    virtual void acknowledges_nothing() = 0;
+    /// For how long the other end was silent when the connection failed with ETIMEDOUT.
+    Duration silent_for() const noexcept { return gave_up_ ? patience_ : dead_after_; }
+
     Opening go_on_opening() override;
     ssize_t read_some(std::span<std::uint8_t> room) override;
     /// Keeps the unsent bytes in the kernel below about 2 KiB, and the bytes in flight within InFlightLimit, so that urgent
-    /// frames pass the others in our queue. The socket option for the first (TCP_NOTSENT_LOWAT) only delays the event for
+    /// frames pass the others in our queue. Writes nothing while acknowledgements are late, so that frames expire there. The
+    /// socket option for the first (TCP_NOTSENT_LOWAT) only delays the event for
     /// writing: the kernel still accepts a write beyond the limit.
     ssize_t write_some(std::span<const iovec> pieces) override;
     void write_later() override;
@@ -43,16 +52,18 @@ protected:
 private:
     bool begin_step();
     bool waits_for_acknowledgement();
+    void give_up_if_silent();
 
+    Duration dead_after_, patience_;    // for acknowledgements
+    bool gave_up_ = false;
     std::shared_ptr<TlsConnection> tls_;                   // shared with the thread that computes its handshake
     BackgroundTask step_;                                  // of the handshake: takes milliseconds of computing
     std::optional<TlsConnection::Handshake> handshake_;    // result of the last step
     bool needs_record_ = false;                            // a complete record, before the next step
     bool is_late_ = false;                                 // the handshake took too long
-    Alarm handshake_ends_, read_on_, write_on_;
+    Alarm handshake_ends_, read_on_, write_on_, give_up_;
     InFlightLimit in_flight_limit_;
-    mutable std::size_t outstanding_ = 0;    // bytes, as last seen
-    mutable TimePoint outstanding_since_{};
+    mutable UnacknowledgedData unacknowledged_;
 };
 
 }    // namespace anogate

@@ -28,6 +28,12 @@ std::size_t queued(int fd, unsigned long request) noexcept {
     return ::ioctl(fd, request, &bytes) == 0 && bytes > 0 ? static_cast<std::size_t>(bytes) : 0;
 }
 
+tcp_info info_of(int fd) noexcept {
+    tcp_info info{};    // members that an old kernel does not know stay zero
+    socklen_t size = sizeof info;
+    return ::getsockopt(fd, IPPROTO_TCP, TCP_INFO, &info, &size) == 0 ? info : tcp_info{};
+}
+
 LinkError listen_error(const EndpointSpec& local, int error) {
     const std::string port = std::to_string(local.port);
     if (error == EADDRINUSE)
@@ -63,6 +69,13 @@ Opened<UniqueFd> begin_connect(const Endpoint& to, ano::Duration dead_after) {
     return Unexpected{error_text(to.text(), errno)};
 }
 
+// The other descriptor of an encrypted connection would keep a closed socket alive.
+void abort_connection(int fd) noexcept {
+    sockaddr none{};
+    none.sa_family = AF_UNSPEC;
+    ::connect(fd, &none, sizeof none);
+}
+
 int connect_error(int fd) noexcept {
     int error = 0;
     socklen_t size = sizeof error;
@@ -93,10 +106,14 @@ std::size_t not_sent(int fd) noexcept { return queued(fd, SIOCOUTQNSD); }
 std::size_t unacknowledged(int fd) noexcept { return queued(fd, SIOCOUTQ); }
 
 InFlightLimit::RoundTrip round_trip(int fd) noexcept {
-    tcp_info info{};
-    socklen_t size = sizeof info;
-    if (::getsockopt(fd, IPPROTO_TCP, TCP_INFO, &info, &size) != 0) return {};
+    const tcp_info info = info_of(fd);
     return {std::chrono::microseconds{info.tcpi_rtt}, std::chrono::microseconds{info.tcpi_min_rtt}};
+}
+
+// A firewall of this computer keeps data unsent as well, although the peer has room for it.
+bool waits_for_reader(int fd) noexcept {
+    const std::size_t waiting = unacknowledged(fd);
+    return waiting == not_sent(fd) && info_of(fd).tcpi_snd_wnd < waiting;
 }
 
 }    // namespace anogate

@@ -21,6 +21,10 @@ void set_tcp_options(int fd, ano::Duration dead_after) noexcept;
 
 /// A non-blocking socket that begins to connect: it is writable when connecting has succeeded or failed, see connect_error().
 Opened<UniqueFd> begin_connect(const Endpoint& to, ano::Duration dead_after);
+/// Ends the connection; what the kernel still holds is not sent.
+void abort_connection(int fd) noexcept;
+/// Whether all unacknowledged data waits because the peer does not read, and not because of the path.
+bool waits_for_reader(int fd) noexcept;
 /// 0: connected; otherwise errno.
 int connect_error(int fd) noexcept;
 
