@@ -157,6 +157,8 @@ public:
 
     /// Bytes that wait for the rest of their frame.
     std::size_t waiting() const noexcept { return end_ - pos_; }
+    /// Those bytes; valid until the next prepare().
+    std::span<const std::uint8_t> rest() const noexcept { return {buffer_.get() + pos_, end_ - pos_}; }
     const ParserCounters& counters() const noexcept { return counters_; }
 
 private:

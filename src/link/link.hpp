@@ -2,11 +2,13 @@
 #pragma once
 #include <gateway/arrival.hpp>
 #include <gateway/channel.hpp>
+#include <gateway/peers/peer_book.hpp>
 #include <gateway/settings.hpp>
 #include <link/link_error.hpp>
 #include <link/stored_link.hpp>
 #include <record/decoding.hpp>
 
+#include <chrono>
 #include <functional>
 #include <optional>
 #include <string>
@@ -25,6 +27,11 @@ class LinkHost {
 public:
     /// A new channel of `link`; nullptr if all 64 are in use. Valid until close_channel(). Its outbox is closed at first.
     virtual Channel* open_channel(Link& link, std::string peer) = 0;
+    /// Before open_channel() for a new peer of a listening link: if all channels are in use, one peer of a listening link frees its
+    /// channel. It has sent no command and is not trusted. For an ordinary peer, it must also have been silent for too long.
+    virtual void make_channel_free(PeerBook::Rank) {}
+    /// The number of channels that open_channel() can still open.
+    virtual std::size_t free_channels() const { return max_channels; }
     /// For a new channel whose peer is not trusted: it is not in the group of its link. `may_replace`: a device that is pinned to
     /// another link of the group, and is silent there, may move to it.
     virtual void leave_group(Channel&, bool) {}
@@ -99,6 +106,9 @@ public:
     virtual void flush(Channel& channel) = 0;
     /// Closes the channel of one peer to free it for another link. Only links with a channel for each peer do so.
     virtual void forget_peer(ChannelId) {}
+    /// The peer that frees its channel if all channels of the gateway are in use, see LinkHost::make_channel_free(): the longest
+    /// silent one. std::nullopt: none.
+    virtual std::optional<ChannelId> peer_to_replace(PeerBook::Rank, TimePoint) const { return std::nullopt; }
     /// Bytes in the kernel that are not on the wire yet, which stop() would lose; 0 where that is unknown.
     virtual std::size_t unsent() const { return 0; }
     /// The UDP port it listens on; 0: none.
@@ -109,6 +119,8 @@ public:
     virtual std::vector<StoredPeer> peers() const { return {}; }
     /// Since when the peer of `channel` only listens: a host that sent a single datagram. std::nullopt: it is none.
     virtual std::optional<TimePoint> listening_since(ChannelId) const { return std::nullopt; }
+    /// The time since when data waits without any acknowledgement of the peer of `channel`; std::nullopt: the link does not know.
+    virtual std::optional<std::chrono::milliseconds> unacknowledged_for(ChannelId) const { return std::nullopt; }
     virtual LinkFacts facts() const { return {}; }
     /// A problem while the link is up, such as "the peer refuses"; empty: none.
     virtual LinkError trouble() const { return {}; }

@@ -30,6 +30,13 @@ template <class T>
 using Opened = tl::expected<T, LinkError>;
 using NotOpened = tl::unexpected<LinkError>;
 
+/// A listening link refuses new peers.
+inline LinkError all_channels_used() {
+    return {"no_channel",
+            "new senders were refused: all 64 channels of the gateway are in use; lower `max_peers` or restrict `allow`",
+            {}};
+}
+
 struct LinkErrorId {
     std::string_view id;
     std::string_view arguments;    // names, separated by spaces

@@ -57,13 +57,14 @@ void StreamSession::begin_input() {
     begin_arrival(arrival_, fd(), stored_ ? &*stored_ : nullptr, now);
     if (!stored_) return;
     const StoredLink stored = *std::exchange(stored_, std::nullopt);
-    if (v7_) return;    // its parser is not stored
-    const auto room = channel_->parser.prepare();
+    if (v7_ && stored.rest.empty()) return;
+    const auto room = v7_ ? v7_->prepare() : channel_->parser.prepare();
     const std::size_t size = std::min(stored.rest.size(), room.size());
     std::copy_n(stored.rest.begin(), size, room.begin());
     channel_->arrived_at = stored.unread_since.now;
-    channel_->parser.commit(size, now.now);    // the rest may already be waiting on the wire
-    expiry_.set(now.now);                      // frames after a false header are delivered later, when the other links are up
+    if (v7_) v7_->commit(size, now.now);
+    else channel_->parser.commit(size, now.now);    // the rest may already be waiting on the wire
+    expiry_.set(now.now);    // frames after a false header are delivered later, when the other links are up
 }
 
 void StreamSession::close() noexcept {

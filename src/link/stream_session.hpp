@@ -31,7 +31,7 @@ public:
 
     /// Takes `fd`, which must be non-blocking. `channel` lives until close().
     void open(UniqueFd fd, Channel& channel);
-    /// To be called before open() for a descriptor of the previous run: its stored state.
+    /// To be called before open() for a descriptor of the previous run, or one that was read from before: its stored state.
     void go_on_from(StoredLink stored) { stored_ = std::move(stored); }
     /// To be called before open(): the devices use V7. Nothing happens unless `v7` is on.
     void translate(const V7LinkSettings& v7, const LinkSettings& link);

@@ -271,7 +271,7 @@ bool Gateway::streams_are_active() const {
 Channel* Gateway::open_channel(Link& link, std::string peer) {
     const LinkKind& kind = *link.settings().kind;
     const bool has_many = kind.listens || kind.replays;    // no other channel is closed for such a link
-    if (!has_many && forwarder_.channels().size() == max_channels) make_channel_free();
+    if (!has_many) make_channel_free_for_link();
     Channel* const channel = forwarder_.open_channel(link.id(), std::move(peer), now_);
     if (channel && !channel->peer.empty() && state(link).up) peer_log_.came(link.name(), channel->peer, now_);
     return channel;

@@ -100,6 +100,8 @@ public:
     void change(Settings settings, Difference difference, Duration patience, std::function<void()> on_changed);
 
     Channel* open_channel(Link& link, std::string peer) override;
+    void make_channel_free(PeerBook::Rank to) override;
+    std::size_t free_channels() const override { return max_channels - forwarder_.channels().size(); }
     void leave_group(Channel& channel, bool may_replace) override { forwarder_.leave_group(channel, may_replace); }
     void close_channel(Channel& channel, std::string_view why) override;
     void receive(Channel& from, ano::FrameView frame) override;
@@ -226,7 +228,7 @@ private:
     void sort_links();
     void start_links(LinkSet fresh);
     void retire(Retired retired);
-    void make_channel_free();
+    void make_channel_free_for_link();
 
     void renew_decoding();
     std::uint8_t group_number(const std::string& group);

@@ -196,13 +196,24 @@ void Gateway::retire(Retired retired) {
     });
 }
 
-// For a link that has only one channel: closes the channel of the peer that has been silent for longest.
-void Gateway::make_channel_free() {
+void Gateway::make_channel_free(PeerBook::Rank to) {
+    if (forwarder_.channels().size() < max_channels) return;
+    const Channel* silent = nullptr;
+    for (const LinkState& s : links_) {
+        const auto id = s.link->peer_to_replace(to, now_);
+        if (id && (!silent || channel(*id).heard_at < silent->heard_at)) silent = &channel(*id);
+    }
+    if (silent) links_by_id_[index(silent->link)]->forget_peer(silent->id);
+}
+
+// For a link that has only one channel. If all peers are trusted or have sent commands, the longest silent one of them makes room.
+void Gateway::make_channel_free_for_link() {
+    make_channel_free(PeerBook::Rank::trusted);
+    if (forwarder_.channels().size() < max_channels) return;
     const Channel* silent = nullptr;
     for (const ChannelId id : forwarder_.channels()) {
-        const Channel& channel = forwarder_.channel(id);
-        const bool is_peer = links_by_id_[index(channel.link)]->settings().kind->listens;
-        if (is_peer && (!silent || channel.heard_at < silent->heard_at)) silent = &channel;
+        const bool is_peer = links_by_id_[index(channel(id).link)]->settings().kind->listens;
+        if (is_peer && (!silent || channel(id).heard_at < silent->heard_at)) silent = &channel(id);
     }
     if (silent) links_by_id_[index(silent->link)]->forget_peer(silent->id);
 }

@@ -38,12 +38,14 @@ void put(Json& json, const ReceiveCounters& received, const SendCounters& sent, 
     object.emplace_back("waiting", waiting);
 }
 
-Json channel_json(const Channel& channel, std::optional<TimePoint> listening_since, TimePoint now) {
-    Json json = object_with_room(4 + counters);
+Json channel_json(const Channel& channel, const Link& link, TimePoint now) {
+    const auto listening_since = link.listening_since(channel.id);
+    Json json = object_with_room(5 + counters);
     json["peer"] = channel.peer;
     json["since_s"] = in_seconds(now - channel.opened_at);
     if (channel.heard_at != TimePoint{}) json["heard_s"] = in_seconds(now - channel.heard_at);
     if (listening_since) json["listening_since_s"] = in_seconds(now - *listening_since);
+    if (const auto age = link.unacknowledged_for(channel.id)) json["unacknowledged_ms"] = age->count();
     put(json, channel.received(), channel.sent(), channel.waiting());
     return json;
 }
@@ -92,8 +94,7 @@ Json link_json(const Gateway& gateway, const LinkState& state, TimePoint now) {
     const LinkTraffic& traffic = gateway.forwarder().traffic(state.link->id());
     if (traffic.replayed.any()) json["replayed"] = replayed_json(traffic.replayed);
     json["channels"] = Json::array();
-    for (const ChannelId id : traffic.channels)
-        json["channels"].push_back(channel_json(gateway.channel(id), state.link->listening_since(id), now));
+    for (const ChannelId id : traffic.channels) json["channels"].push_back(channel_json(gateway.channel(id), *state.link, now));
     put(json, report.figures.received, report.figures.sent, report.waiting);
     return json;
 }

@@ -190,10 +190,20 @@ TEST_F(Tcp, max_peers_limits_connections_and_refuses_and_reports_the_next_one) {
     one.send(vendor::who_are_you);
     two.send(vendor::who_are_you);
     ASSERT_TRUE(daemon->until([&] { return daemon->count("ground", "frames_in") == 2; }));
+    daemon->run_for(1100ms);    // programs of this computer that sent in one exchange only would be replaced
+    one.send(vendor::who_are_you);
+    two.send(vendor::who_are_you);
+    ASSERT_TRUE(daemon->until([&] { return daemon->count("ground", "frames_in") == 4; }));
     TcpPeer three{port("ground")};
-    EXPECT_TRUE(daemon->until([&] { return three.is_closed(); }));
+    three.send(vendor::who_are_you);
+    EXPECT_TRUE(daemon->until([&] { return daemon->link("ground").at("error_id") == "no_place"; }));
     EXPECT_FALSE(one.is_closed() || two.is_closed());
-    EXPECT_EQ(daemon->link("ground").at("error_id"), "no_place");
+    two.close();
+    ASSERT_TRUE(until_channels("ground", 1));
+    EXPECT_TRUE(daemon->until([&] {
+        three.send(vendor::who_are_you);
+        return daemon->link("ground").at("channels").size() == 2;
+    })) << "a sender that waits gets the next free place";
 }
 
 TEST_F(Tcp, senders_outside_allow_are_refused) {
@@ -208,7 +218,10 @@ TEST_F(Tcp, a_peer_that_reads_nothing_is_closed_and_does_not_delay_the_others) {
     TcpPeer deaf{port("ground")}, listener{port("ground")};
     const int small = 4096;
     ::setsockopt(deaf.fd(), SOL_SOCKET, SO_RCVBUF, &small, sizeof small);
+    deaf.send(vendor::who_are_you);
+    listener.send(vendor::who_are_you);
     ASSERT_TRUE(until_channels("ground", 2));
+    EXPECT_TRUE(daemon->link("ground").at("channels").at(0).contains("unacknowledged_ms"));
     const Bytes image = frame(0xDC, 0xFE, 0xF1, Bytes(200));
     std::size_t heard = 0;
     EXPECT_TRUE(daemon->until([&] {

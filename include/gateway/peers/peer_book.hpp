@@ -33,6 +33,9 @@ public:
         std::size_t max_of_address = max_channels;    // loopback excepted
         std::size_t kept = 0;                         // places reserved for hosts that send commands, and for trusted ones
         std::size_t kept_for_trusted = 0;             // of those, the ones reserved for trusted ones
+        /// Of TCP: an overdue peer is replaced only when its place is needed. For ordinary peers, a /64 of IPv6 counts as one
+        /// address, since one computer can use all of it.
+        bool has_connections = false;
     };
     /// The rank of a peer or an unknown sender, by its address and its frames.
     enum class Rank : std::uint8_t {
@@ -75,6 +78,7 @@ public:
     /// - If its address has max_of_address places, it replaces a peer of that address.
     /// - Programs of this machine replace each other, the longest silent first, but one that sent once does not replace one that
     ///   sent again.
+    /// - With connections, it replaces an overdue peer.
     /// - Peers of a lower rank do not use places that are reserved for a higher rank.
     /// - If places are reserved, a host that sends a command gets one, unless all turns are used. Of the two peers that sent
     ///   commands and joined last, it replaces the one that commands less often (the time between its last two commands, or since
@@ -108,6 +112,8 @@ public:
     /// ICMP reported a closed port. Returns whether the peer is overdue now.
     bool refused(ChannelId id, TimePoint now) noexcept;
 
+    /// The peer that frees its channel for a peer of rank `to` on another link, see LinkHost::make_channel_free().
+    std::optional<ChannelId> longest_silent(Rank to, TimePoint now) const noexcept;
     /// The peers to be removed now.
     ChannelSet overdue(TimePoint now) const noexcept;
     /// When a peer may be overdue next, if no frame is received until then; TimePoint::max(): never.
@@ -149,7 +155,8 @@ private:
     };
     static constexpr std::size_t max_displaced = 64;
 
-    std::size_t places_of(const IpAddress& address) const noexcept;
+    std::size_t places_of(const IpAddress& address, Rank rank) const noexcept;
+    bool is_same_party(const IpAddress& a, const IpAddress& b, Rank rank) const noexcept;
     bool keeps_retrying(const Endpoint& stranger, TimePoint now);
     const Peer& peer(ChannelId id) const noexcept { return peers_[index(id)]; }
     Peer& peer(ChannelId id) noexcept { return peers_[index(id)]; }

@@ -9,19 +9,20 @@ namespace anogate {
 PeerBook::Place PeerBook::place_for(const Endpoint& stranger, TimePoint now, Rank rank) {
     const IpAddress& address = stranger.address;
     const bool local = address.is_loopback();
-    const std::size_t of_address = places_of(address);
+    const std::size_t of_address = places_of(address, rank);
     const bool address_full = !local && of_address >= options_.max_of_address;
     if (!address_full && has_free_place(rank)) return {true, std::nullopt};
 
     const bool again = keeps_retrying(stranger, now);
+    const ChannelSet late = options_.has_connections ? overdue(now) : ChannelSet{};
     std::optional<ChannelId> longest_silent;
     for (const ChannelId id : used_) {
         const Peer& p = peer(id);
-        if (address_full ? p.endpoint.address != address : !may_be_evicted(p, rank)) continue;
-        const bool has_more = address_full || places_of(p.endpoint.address) > of_address + 1;
+        if (address_full ? !is_same_party(p.endpoint.address, address, rank) : !may_be_evicted(p, rank)) continue;
+        const bool has_more = address_full || places_of(p.endpoint.address, rank) > of_address + 1;
         const bool is_evictable = is_silent(p, now) ? again || !p.has_returned : again && !p.has_returned && has_more;
         const bool is_of_us = local && p.endpoint.address.is_loopback() && (again || !p.has_returned);
-        if (!is_evictable && !is_of_us) continue;
+        if (!is_evictable && !is_of_us && !late.contains(id)) continue;
         if (!longest_silent || p.heard_at < peer(*longest_silent).heard_at) longest_silent = id;
     }
     if (!longest_silent && rank == Rank::commands && !address_full && options_.kept > 0)
@@ -94,11 +95,19 @@ std::size_t PeerBook::count(Rank at_least) const noexcept {
     return count;
 }
 
-std::size_t PeerBook::places_of(const IpAddress& address) const noexcept {
+std::size_t PeerBook::places_of(const IpAddress& address, Rank rank) const noexcept {
     std::size_t count = 0;
     for (const ChannelId id : used_)
-        if (peer(id).endpoint.address == address) ++count;
+        if (is_same_party(peer(id).endpoint.address, address, rank)) ++count;
     return count;
+}
+
+// A network may have many hosts: strangers there can't use up the share of those that command or are trusted.
+bool PeerBook::is_same_party(const IpAddress& a, const IpAddress& b, Rank rank) const noexcept {
+    constexpr std::size_t network = 8;    // bytes
+    if (!options_.has_connections || rank != Rank::ordinary || !a.v6 || !b.v6 || a.is_loopback() || b.is_loopback())
+        return a == b;
+    return std::equal(a.bytes.begin(), a.bytes.begin() + network, b.bytes.begin());
 }
 
 // An address may use only few rows here too, so that it can't replace the entries of all others.
@@ -167,6 +176,13 @@ bool PeerBook::refused(ChannelId id, TimePoint now) noexcept {
     ++p.refusals;
     p.is_gone = p.is_gone || p.once || (p.refusals >= enough_refusals && now - p.first_refused_at >= refused_for);
     return p.is_gone;
+}
+
+std::optional<ChannelId> PeerBook::longest_silent(Rank to, TimePoint now) const noexcept {
+    std::optional<ChannelId> longest;
+    for (const ChannelId id : to == Rank::ordinary ? overdue(now) : used_)
+        if (peer(id).rank == Rank::ordinary && (!longest || peer(id).heard_at < peer(*longest).heard_at)) longest = id;
+    return longest;
 }
 
 ChannelSet PeerBook::overdue(TimePoint now) const noexcept {

@@ -21,11 +21,6 @@ namespace {
 
 constexpr std::size_t descriptors_of_one = 6;    // its socket twice, an event twice, and more at its end
 
-std::uint64_t waiting_party(const IpAddress& address) {
-    const std::size_t size = address.v6 ? 8 : 4;
-    return std::hash<std::string_view>{}({reinterpret_cast<const char*>(address.bytes.data()), size});
-}
-
 bool has_hung_up(int fd) {
     char byte;
     const ssize_t n = ::recv(fd, &byte, 1, MSG_PEEK | MSG_DONTWAIT);
@@ -33,6 +28,11 @@ bool has_hung_up(int fd) {
 }
 
 }    // namespace
+
+std::uint64_t waiting_party(const IpAddress& address) {
+    const std::size_t size = address.v6 ? 8 : 4;
+    return std::hash<std::string_view>{}({reinterpret_cast<const char*>(address.bytes.data()), size});
+}
 
 struct Handshakes::One {
     One(const LinkContext& context, const Endpoint& from) : peer{from}, socket{context.io}, step{context.io} {}

@@ -3,6 +3,7 @@
 #pragma once
 #include <gateway/ip.hpp>
 #include <link/link_context.hpp>
+#include <link/refusals.hpp>
 #include <link/tcp/tls_context.hpp>
 #include <sys/alarm.hpp>
 #include <sys/unique_fd.hpp>
@@ -18,15 +19,8 @@
 
 namespace anogate {
 
-/// Connections that were refused.
-struct Refusals {
-    std::uint64_t count = 0;
-    TimePoint last{};
-    void add(TimePoint now) {
-        ++count;
-        last = now;
-    }
-};
+/// The party of a connection, see WaitingConnection.
+std::uint64_t waiting_party(const IpAddress& address);
 
 class Handshakes {
 public:

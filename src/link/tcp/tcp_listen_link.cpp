@@ -1,6 +1,7 @@
 #include <ano/address.hpp>
 #include <config/key_rows.hpp>
 #include <config/link_kind.hpp>
+#include <gateway/peers/host_command.hpp>
 #include <link/check_group.hpp>
 #include <link/make_link.hpp>
 #include <link/tcp/tcp_keys.hpp>
@@ -12,6 +13,8 @@
 #include <sys/descriptors_left.hpp>
 #include <sys/errors.hpp>
 
+#include <fcntl.h>
+
 #include <algorithm>
 #include <bitset>
 #include <cerrno>
@@ -22,32 +25,42 @@ namespace anogate {
 namespace {
 
 constexpr int accepts_per_turn = 64;
-constexpr Duration refusals_shown = std::chrono::minutes{10};    // older ones are no longer reported
 constexpr Duration accept_pause = std::chrono::seconds{1};
 constexpr Duration one_exchange = std::chrono::seconds{1};    // longest silence of a device during an exchange
 
-ConnectionPlaces tcp_places(const TcpListenSettings& tcp) {
+PeerBook::Options book_options(const TcpListenSettings& tcp) {
     const std::size_t quarter = tcp.max_peers / 4u;
     const bool has_trusted = tcp.trusted_any || !tcp.trusted.empty();
-    return {tcp.max_peers, tcp.max_per_address ? *tcp.max_per_address : std::max<std::size_t>(2, quarter),
-            has_trusted ? quarter : 0};
+    PeerBook::Options options;
+    options.max_peers = tcp.max_peers;
+    options.max_of_address = tcp.max_per_address ? *tcp.max_per_address : std::max<std::size_t>(2, quarter);
+    options.kept = quarter;
+    options.kept_for_trusted = has_trusted ? quarter : 0;
+    options.has_connections = true;
+    return options;
+}
+
+FirstFrames::Options first_frame_options(const LinkSettings& link) {
+    FirstFrames::Options options;
+    options.parser.max_data = link.max_data;
+    if (link.frame_gap) options.parser.frame_gap = *link.frame_gap;
+    options.v7 = link.as<TcpListenSettings>().v7.is_on();
+    return options;
 }
 
 }    // namespace
 
 class TcpListenLink::Connection final : public TcpSession {
 public:
-    Connection(TcpListenLink& link, const Endpoint& peer, bool is_trusted, Channel& its_channel)
+    Connection(TcpListenLink& link, const Endpoint& peer, Channel& its_channel)
         : TcpSession{link.context_, link.settings(), link.settings().as<TcpListenSettings>().dead_after},
           id{its_channel.id},
           address{peer.address},
           since{link.context_.host.now()},
-          is_trusted_{is_trusted},
           link_{link} {
         translate(link.settings().as<TcpListenSettings>().v7, link.settings());
     }
 
-    ConnectionPlaces::Connection facts() const { return {address, since, heard_.any(), is_trusted_}; }
     bool has_heard(std::uint8_t source) const { return heard_[source]; }
     TimePoint heard_at() const { return heard_at_; }
     using StreamSession::channel;
@@ -67,6 +80,9 @@ private:
     }
     void receive(ano::FrameView frame) override {
         heard_at_ = context_.host.now();
+        if (heard_.any()) link_.book_.came(id);
+        link_.book_.heard(id, frame.source(), heard_at_);
+        if (is_command_of_host(frame)) link_.book_.commanded(id, heard_at_);
         if (!heard_[frame.source()] || has_rival_) has_rival_ = link_.has_rival(*this, frame.source());
         heard_.set(frame.source());
         StreamSession::receive(frame);
@@ -80,7 +96,6 @@ private:
         return error == ETIMEDOUT ? "it acknowledged nothing for too long" : error_text(error);
     }
 
-    bool is_trusted_;
     bool has_rival_ = false;    // another connection of the same device was active recently
     TcpListenLink& link_;
     std::bitset<256> heard_;    // the sources of its frames
@@ -92,7 +107,9 @@ TcpListenLink::TcpListenLink(LinkId id, LinkSettings settings, const LinkContext
       context_{context},
       listener_{context.io},
       reconnect_{context, *this, [this] { return open(); }},
-      places_{tcp_places(this->settings().as<TcpListenSettings>())},
+      book_{book_options(this->settings().as<TcpListenSettings>())},
+      first_frames_{context, first_frame_options(this->settings()),
+                    [this](int fd, const FirstFrames::Sender& sender) { return admit(fd, sender); }},
       sweep_{context.alarms, [this] { ended_.clear(); }},
       accept_again_{context.alarms, [this] { accept_on(); }} {
     if (!this->settings().kind->encrypts) return;
@@ -100,7 +117,7 @@ TcpListenLink::TcpListenLink(LinkId id, LinkSettings settings, const LinkContext
     handshakes_.emplace(
         context_, *tls_,
         [this](UniqueFd fd, const Endpoint& peer, std::shared_ptr<TlsConnection> tls) {
-            admit(std::move(fd), peer, std::move(tls));
+            await_frame(std::move(fd), peer, std::move(tls));
         },
         [this](const std::string& why) {
             failed_handshakes_.add(context_.host.now());
@@ -149,11 +166,28 @@ void TcpListenLink::on_accepted(UniqueFd fd, const Endpoint& peer) try {
         ++outsiders_;
         return;
     }
-    if (descriptors_left() < descriptors_of_links() / 2) return no_place_.add(now);    // those are for other links and `status`
-    if (!handshakes_) return admit(std::move(fd), peer, {});
+    set_tcp_options(fd.get(), settings().as<TcpListenSettings>().dead_after);
+    if (!handshakes_) return await_frame(std::move(fd), peer, {});
     if (!handshakes_->add(std::move(fd), peer, is_trusted(peer.address))) no_place_.add(now);
 } catch (const std::bad_alloc&) {
     no_memory_.add(context_.host.now());
+}
+
+void TcpListenLink::await_frame(UniqueFd fd, const Endpoint& peer, std::shared_ptr<TlsConnection> encrypted) try {
+    const TimePoint now = context_.host.now();
+    if (!fd) return no_memory_.add(now);
+    if (has_room_for_silent(peer, now) && admit(fd.get(), {peer, encrypted})) return;
+    if (!first_frames_.add(std::move(fd), peer, std::move(encrypted), is_trusted(peer.address))) no_place_.add(now);
+} catch (const std::bad_alloc&) {
+    no_memory_.add(context_.host.now());
+}
+
+// It may be a peer that only receives. Channels are left to those that send.
+bool TcpListenLink::has_room_for_silent(const Endpoint& peer, TimePoint now) {
+    if (context_.host.free_channels() <= max_channels / 2 || descriptors_left() <= descriptors_of_links()) return false;
+    const PeerBook::Rank rank = is_trusted(peer.address) ? PeerBook::Rank::trusted : PeerBook::Rank::ordinary;
+    const PeerBook::Place place = book_.place_for(peer, now, rank);
+    return place.free && !place.evicted;
 }
 
 bool TcpListenLink::is_trusted(const IpAddress& address) const {
@@ -161,34 +195,71 @@ bool TcpListenLink::is_trusted(const IpAddress& address) const {
     return tcp.trusted_any || contains(tcp.trusted, address);
 }
 
-void TcpListenLink::admit(UniqueFd fd, const Endpoint& peer, std::shared_ptr<TlsConnection> encrypted) try {
-    const TimePoint now = context_.host.now();
-    if (!fd) return no_memory_.add(now);
-    if (!make_place(peer.address, now)) return no_place_.add(now);
-    Channel* const channel = context_.host.open_channel(*this, peer.text());
-    if (!channel) return no_place_.add(now);
-    const TcpListenSettings& tcp = settings().as<TcpListenSettings>();
-    const bool is_known = is_trusted(peer.address) || (encrypted && tcp.tls.verify == TlsVerify::peer);
-    if (!settings().group.empty() && !is_known) context_.host.leave_group(*channel, tcp.trusted.empty());
-    set_tcp_options(fd.get(), settings().as<TcpListenSettings>().dead_after);
-    try {
-        connections_.push_back(std::make_unique<Connection>(*this, peer, is_trusted(peer.address), *channel));
-    } catch (const std::bad_alloc&) {
-        context_.host.close_channel(*channel, {});
-        throw;
-    }
-    connections_.back()->encrypt_by(std::move(encrypted));
-    connections_.back()->open(std::move(fd), *channel);
-} catch (const std::bad_alloc&) {
-    no_memory_.add(context_.host.now());
+PeerBook::Rank TcpListenLink::rank_of(const FirstFrames::Sender& sender) const {
+    if (is_trusted(sender.peer.address)) return PeerBook::Rank::trusted;
+    return sender.commands ? PeerBook::Rank::commands : PeerBook::Rank::ordinary;
 }
 
-bool TcpListenLink::make_place(const IpAddress& address, TimePoint now) {
-    std::vector<ConnectionPlaces::Connection> all;
-    for (const auto& one : connections_) all.push_back(one->facts());
-    const ConnectionPlaces::Place place = places_.place_for(all, address, is_trusted(address), now);
-    if (place.evicted) end(*connections_[*place.evicted], "it sent no frame, and another peer needed the connection");
-    return place.free;
+bool TcpListenLink::admit(int fd, const FirstFrames::Sender& sender) try {
+    const TimePoint now = context_.host.now();
+    const PeerBook::Rank rank = rank_of(sender);
+    if (!make_place(sender, rank, now)) return no_place_.add(now), false;
+    context_.host.make_channel_free(rank);
+    Channel* const channel = context_.host.open_channel(*this, sender.peer.text());
+    if (!channel) return no_channel_.add(now), false;
+    try {
+        begin(fd, sender, *channel);
+    } catch (const std::bad_alloc&) {
+        if (Connection* const connection = connection_of(channel->id)) end(*connection, {});
+        else context_.host.close_channel(*channel, {});
+        throw;
+    }
+    return true;
+} catch (const std::bad_alloc&) {
+    return no_memory_.add(context_.host.now()), false;
+}
+
+// Everything that may fail comes before the connection is in use.
+void TcpListenLink::begin(int fd, const FirstFrames::Sender& sender, Channel& channel) {
+    const TcpListenSettings& tcp = settings().as<TcpListenSettings>();
+    const TimePoint now = context_.host.now();
+    StoredLink received;
+    received.unread_since = context_.host.turn().clocks();
+    received.rest = sender.bytes;
+    UniqueFd own{::fcntl(fd, F_DUPFD_CLOEXEC, 0)};
+    if (!own) throw std::bad_alloc{};
+    auto connection = std::make_unique<Connection>(*this, sender.peer, channel);
+    const bool is_near = networks_.contain(sender.peer.address, now);
+    connections_.push_back(std::move(connection));
+    book_.add(channel.id, sender.peer, is_near, now, rank_of(sender));
+    const bool is_known = is_trusted(sender.peer.address) || (sender.tls && tcp.tls.verify == TlsVerify::peer);
+    if (!settings().group.empty() && !is_known) context_.host.leave_group(channel, tcp.trusted.empty());
+    connections_.back()->encrypt_by(sender.tls);
+    if (!received.rest.empty()) connections_.back()->go_on_from(std::move(received));
+    connections_.back()->open(std::move(own), channel);
+}
+
+bool TcpListenLink::make_place(const FirstFrames::Sender& sender, PeerBook::Rank rank, TimePoint now) {
+    const PeerBook::Place place = book_.place_for(sender.peer, now, rank);
+    if (place.free && !place.evicted) return true;
+    Connection* leaves = former_of(sender, rank, now);
+    if (!leaves && place.evicted) leaves = connection_of(*place.evicted);
+    if (leaves) end(*leaves, "another peer needed the connection");
+    return leaves;
+}
+
+// A device that restarted, or its bridge: the kernel notices only later that its old connection is lost.
+TcpListenLink::Connection* TcpListenLink::former_of(const FirstFrames::Sender& sender, PeerBook::Rank rank, TimePoint now) {
+    for (const auto& one : connections_) {
+        const bool is_same = one->address == sender.peer.address && (!sender.source || one->has_heard(*sender.source));
+        if (is_same && now - one->heard_at() >= one_exchange && book_.rank(one->id) <= rank) return one.get();
+    }
+    return nullptr;
+}
+
+TcpListenLink::Connection* TcpListenLink::connection_of(ChannelId channel) const {
+    const auto at = std::find_if(connections_.begin(), connections_.end(), [&](const auto& c) { return c->id == channel; });
+    return at == connections_.end() ? nullptr : at->get();
 }
 
 bool TcpListenLink::is_allowed(const IpAddress& address, TimePoint now) {
@@ -217,6 +288,7 @@ void TcpListenLink::end(Connection& connection, const std::string& why) {
     if (at == connections_.end()) return;
     ended_.push_back(std::move(*at));
     connections_.erase(at);
+    book_.remove(connection.id);
     Channel& channel = connection.channel();
     connection.close();
     connection.end_of_input();
@@ -226,13 +298,11 @@ void TcpListenLink::end(Connection& connection, const std::string& why) {
 }
 
 void TcpListenLink::forget_peer(ChannelId channel) {
-    const auto at = std::find_if(connections_.begin(), connections_.end(), [&](const auto& c) { return c->id == channel; });
-    if (at != connections_.end()) end(**at, {});
+    if (Connection* const connection = connection_of(channel)) end(*connection, "another peer needed the channel");
 }
 
 void TcpListenLink::flush(Channel& channel) {
-    const auto at = std::find_if(connections_.begin(), connections_.end(), [&](const auto& c) { return c->id == channel.id; });
-    if (at != connections_.end()) (*at)->write();
+    if (Connection* const connection = connection_of(channel.id)) connection->write();
 }
 
 void TcpListenLink::stop_reading() {
@@ -241,6 +311,7 @@ void TcpListenLink::stop_reading() {
     accept_again_.cancel();
     reconnect_.stop();
     if (handshakes_) handshakes_->close();
+    first_frames_.stop_reading();
     for (const auto& one : connections_) one->pause_reading();
 }
 
@@ -250,8 +321,10 @@ void TcpListenLink::stop() {
     sweep_.cancel();
     listener_.close();
     if (handshakes_) handshakes_->close();
+    first_frames_.close();
     connections_.clear();
     ended_.clear();
+    book_.clear();
 }
 
 std::size_t TcpListenLink::unsent() const {
@@ -260,14 +333,17 @@ std::size_t TcpListenLink::unsent() const {
     return bytes;
 }
 
+std::optional<std::chrono::milliseconds> TcpListenLink::unacknowledged_for(ChannelId channel) const {
+    const Connection* const connection = connection_of(channel);
+    return connection ? std::optional{connection->not_acknowledged_for()} : std::nullopt;
+}
+
 LinkFacts TcpListenLink::facts() const {
     const EndpointSpec& written = settings().as<TcpListenSettings>().local;
     LinkFacts facts{{"address", listener_.is_open() ? local_.text() : written.text()},
                     {"port", std::int64_t{listener_.is_open() ? local_.port : written.port}}};
-    std::chrono::milliseconds oldest{};
-    for (const auto& one : connections_) oldest = std::max(oldest, one->not_acknowledged_for());
     if (const auto days = tls_ ? tls_->days_left() : std::nullopt) facts.push_back({"certificate_days", *days});
-    if (listener_.is_open()) facts.push_back({"unacknowledged_ms", std::int64_t{oldest.count()}});
+    if (listener_.is_open()) facts.push_back({"without_frame", static_cast<std::int64_t>(first_frames_.size())});
     if (settings().as<TcpListenSettings>().v7.is_on()) {
         V7Counters all = v7_of_ended_;
         for (const auto& one : connections_) add(all, one->translation()->counters());
@@ -279,19 +355,19 @@ LinkFacts TcpListenLink::facts() const {
 
 LinkError TcpListenLink::trouble() const {
     if (LinkError files = tls_ ? tls_trouble(*tls_) : LinkError{}; !files.text.empty()) return files;
-    const auto count_of = [now = context_.host.now()](const Refusals& refusals) {    // empty: none recently
-        return refusals.count > 0 && now - refusals.last < refusals_shown ? std::to_string(refusals.count) : std::string{};
-    };
-    if (const std::string count = handshakes_ ? count_of(handshakes_->evicted()) : ""; !count.empty())
+    const TimePoint now = context_.host.now();
+    if (const std::string count = handshakes_ ? handshakes_->evicted().recent(now) : ""; !count.empty())
         return {"handshakes",
-                count + " connections were closed during the TLS handshake: unknown senders held all " +
-                    std::to_string(Handshakes::places) + " places for it",
+                count + " connections were closed during the TLS handshake: unknown senders held all places for it",
                 {{"count", count}}};
-    if (const std::string count = count_of(no_place_); !count.empty())
-        return {"no_place", count + " connections were refused: the limit of peers is reached", {{"count", count}}};
-    if (const std::string count = count_of(no_memory_); !count.empty())
+    if (no_channel_.is_recent(now)) return all_channels_used();
+    if (const std::string count = no_place_.recent(now); !count.empty())
+        return {"no_place",
+                count + " connections or frames of new senders were refused: the limit of peers is reached",
+                {{"count", count}}};
+    if (const std::string count = no_memory_.recent(now); !count.empty())
         return {"no_memory", count + " connections were refused: not enough memory or file descriptors", {{"count", count}}};
-    if (const std::string count = count_of(failed_handshakes_); !count.empty())
+    if (const std::string count = failed_handshakes_.recent(now); !count.empty())
         return {"tls", count + " connections were refused, most recently: " + last_fault_, {}};
     if (outsiders_ == 0 || !connections_.empty()) return {};
     return {"sender_refused", "senders outside `allow` were refused", {}};
@@ -299,11 +375,13 @@ LinkError TcpListenLink::trouble() const {
 
 UnassignedTraffic TcpListenLink::unassigned_traffic() const {
     UnassignedTraffic traffic;
+    traffic.received = first_frames_.received();
+    traffic.v7_frames = first_frames_.v7_frames();
+    traffic.parser = first_frames_.parser();
     traffic.no_place = no_place_.count;
     traffic.no_memory = no_memory_.count;
     traffic.outsiders = outsiders_;
-    if (handshakes_ && handshakes_->evicted().count > 0 && context_.host.now() - handshakes_->evicted().last < refusals_shown)
-        traffic.handshakes = handshakes_->evicted().count;
+    if (handshakes_ && handshakes_->evicted().is_recent(context_.host.now())) traffic.handshakes = handshakes_->evicted().count;
     return traffic;
 }
 
@@ -316,10 +394,10 @@ constexpr Key<LinkSettings> own_tcp_listen_keys[] = {
     endpoint<own<TcpListen>, &TcpListen::local>("address", "local IP:PORT to listen on") | needed | key_rows::local,
     duration<own<TcpListen>, &TcpListen::dead_after>("dead_after", second, day, dead_after_help),
     integer<own<TcpListen>, &TcpListen::max_peers>("max_peers", 1, max_channels,
-                                                   "maximum number of connections; one that sends no frame is replaced first"),
+                                                   "maximum number of peers; a quarter is reserved for hosts that send commands"),
     integer<own<TcpListen>, &TcpListen::max_per_address>(
         "max_per_address", 1, max_channels,
-        "maximum number of connections per IP address, except loopback (default: a quarter of "
+        "maximum number of peers per IPv4 address or IPv6 /64, except loopback (default: a quarter of "
         "max_peers, at least two)"),
     networks<TcpListen, &TcpListen::allow_any, &TcpListen::allow>(
         "allow", "networks that may connect, or any (default: the local networks)"),
@@ -334,10 +412,10 @@ constexpr Key<LinkSettings> tls_listen_keys[] = {
     endpoint<own<TcpListen>, &TcpListen::local>("address", "local IP:PORT to listen on") | needed | key_rows::local,
     duration<own<TcpListen>, &TcpListen::dead_after>("dead_after", second, day, dead_after_help),
     integer<own<TcpListen>, &TcpListen::max_peers>("max_peers", 1, max_channels,
-                                                   "maximum number of connections; one that sends no frame is replaced first"),
+                                                   "maximum number of peers; a quarter is reserved for hosts that send commands"),
     integer<own<TcpListen>, &TcpListen::max_per_address>(
         "max_per_address", 1, max_channels,
-        "maximum number of connections per IP address, except loopback (default: a quarter of "
+        "maximum number of peers per IPv4 address or IPv6 /64, except loopback (default: a quarter of "
         "max_peers, at least two)"),
     networks<TcpListen, &TcpListen::allow_any, &TcpListen::allow>(
         "allow", "networks that may connect, or any (default: the local networks)"),

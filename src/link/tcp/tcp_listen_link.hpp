@@ -1,9 +1,12 @@
-// A listening TCP port, encrypted or not: each connection is a peer with its own channel.
+// A listening TCP port, encrypted or not. A connection becomes a peer with its own channel at once, or when it has sent a
+// valid frame if there is little room.
 #pragma once
-#include <gateway/peers/connection_places.hpp>
+#include <gateway/peers/peer_book.hpp>
 #include <gateway/v7_translation.hpp>
 #include <link/own_networks.hpp>
 #include <link/reconnect.hpp>
+#include <link/refusals.hpp>
+#include <link/tcp/first_frames.hpp>
 #include <link/tcp/handshakes.hpp>
 #include <link/tcp/tcp_settings.hpp>
 #include <link/tcp/tls_context.hpp>
@@ -26,7 +29,11 @@ public:
     void stop() override;
     void flush(Channel& channel) override;
     void forget_peer(ChannelId channel) override;
+    std::optional<ChannelId> peer_to_replace(PeerBook::Rank to, TimePoint now) const override {
+        return book_.longest_silent(to, now);
+    }
     std::size_t unsent() const override;
+    std::optional<std::chrono::milliseconds> unacknowledged_for(ChannelId channel) const override;
     LinkFacts facts() const override;
     LinkError trouble() const override;
     UnassignedTraffic unassigned_traffic() const override;
@@ -37,10 +44,17 @@ private:
     void accept();
     void accept_on();
     void on_accepted(UniqueFd fd, const Endpoint& peer);
-    /// Opens a channel for the connection, after its handshake if it is encrypted.
-    void admit(UniqueFd fd, const Endpoint& peer, std::shared_ptr<TlsConnection> encrypted);
+    /// After the handshake, if it is encrypted. While there is little room, the connection waits for its first frame.
+    void await_frame(UniqueFd fd, const Endpoint& peer, std::shared_ptr<TlsConnection> encrypted);
+    bool has_room_for_silent(const Endpoint& peer, TimePoint now);
+    /// Opens a channel for the connection. False: there is no place.
+    bool admit(int fd, const FirstFrames::Sender& sender);
     bool is_trusted(const IpAddress& address) const;
-    bool make_place(const IpAddress& address, TimePoint now);
+    PeerBook::Rank rank_of(const FirstFrames::Sender& sender) const;
+    bool make_place(const FirstFrames::Sender& sender, PeerBook::Rank rank, TimePoint now);
+    Connection* former_of(const FirstFrames::Sender& sender, PeerBook::Rank rank, TimePoint now);
+    void begin(int fd, const FirstFrames::Sender& sender, Channel& channel);
+    Connection* connection_of(ChannelId channel) const;
     bool is_allowed(const IpAddress& address, TimePoint now);
     bool has_rival(const Connection& from, std::uint8_t source);
     /// `why` is for the log.
@@ -49,7 +63,8 @@ private:
     LinkContext context_;
     Descriptor listener_;
     Reconnect reconnect_;
-    ConnectionPlaces places_;
+    PeerBook book_;
+    FirstFrames first_frames_;
     OwnNetworks networks_;
     Endpoint local_;
     std::vector<std::unique_ptr<Connection>> connections_;
@@ -60,7 +75,7 @@ private:
     std::optional<Handshakes> handshakes_;    // if encrypted
     bool is_ending_ = false;
     std::string last_fault_;    // of a failed handshake
-    Refusals no_place_, no_memory_, failed_handshakes_;
+    Refusals no_place_, no_channel_, no_memory_, failed_handshakes_;
     std::uint64_t outsiders_ = 0;
     V7Counters v7_of_ended_{};    // of the connections that ended
 };

@@ -428,6 +428,7 @@ LinkError UdpListenLink::trouble() const {
         return {"other_gateway",
                 "another gateway listens at " + last_gateway_ + "; it was refused as a peer",
                 {{"peer", last_gateway_}}};
+    if (no_channel_.is_recent(context_.host.now())) return all_channels_used();
     if (const std::string count = std::to_string(no_place_); no_place_ > 0)
         return {
             "no_place", count + " datagrams from new senders were refused: the limit of peers is reached", {{"count", count}}};

@@ -10,6 +10,7 @@
 #include <link/own_networks.hpp>
 #include <link/pacing.hpp>
 #include <link/reconnect.hpp>
+#include <link/refusals.hpp>
 #include <link/udp/error_queue.hpp>
 #include <link/udp/ip_socket.hpp>
 #include <link/udp/udp_settings.hpp>
@@ -27,6 +28,9 @@ public:
     void stop() override;
     void flush(Channel& channel) override;
     void forget_peer(ChannelId channel) override;
+    std::optional<ChannelId> peer_to_replace(PeerBook::Rank to, TimePoint now) const override {
+        return book_.longest_silent(to, now);
+    }
     LinkFacts facts() const override;
     LinkError trouble() const override;
     int storable_wire() const override { return descriptor_.fd(); }
@@ -125,6 +129,7 @@ private:
     ListenerCheck check_;
     std::uint64_t gateways_ = 0;     // other gateways that sent here
     std::uint64_t no_place_ = 0;     // refused datagrams of unknown senders: max_peers is reached
+    Refusals no_channel_;            // the same: all channels of the gateway are in use
     std::uint64_t no_memory_ = 0;    // the same: too little memory for a peer
     std::uint64_t outsiders_ = 0;    // the same: outside `allow`
     std::string last_gateway_;       // the last of these gateways

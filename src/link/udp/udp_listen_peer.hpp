@@ -1,8 +1,7 @@
 // The state of a peer of UdpListenLink. Internal to its sources.
 #pragma once
-#include <ano/address.hpp>
-#include <ano/conversation.hpp>
 #include <gateway/peers/far_peer.hpp>
+#include <gateway/peers/host_command.hpp>
 #include <link/udp/datagram_queue.hpp>
 #include <link/udp/udp_listen_link.hpp>
 #include <link/v7_edge.hpp>
@@ -11,10 +10,6 @@
 #include <memory>
 
 namespace anogate {
-
-inline bool is_command_of_host(ano::FrameView frame) noexcept {
-    return ano::address::is_host(frame.source()) && ano::intent_of(frame) == ano::Intent::acts;
-}
 
 struct UdpListenLink::Peer {
     Peer(UdpListenLink& link, const Endpoint& e, Channel& c)

@@ -90,8 +90,9 @@ void UdpListenLink::refuse(std::span<const std::uint8_t> datagram) {
 // A peer needs about 100 KB, so the allocation may fail.
 UdpListenLink::Peer* UdpListenLink::make_peer(const Endpoint& endpoint, TimePoint now, PeerBook::Rank rank) {
     const bool near = networks_.contain(endpoint.address, now), far = is_far(endpoint.address, now);
+    context_.host.make_channel_free(rank);
     Channel* channel = context_.host.open_channel(*this, endpoint.text());
-    if (!channel) return nullptr;
+    if (!channel) return no_channel_.add(now), nullptr;
     try {
         auto peer = std::make_unique<Peer>(*this, endpoint, *channel);
         if (far) peer->far = std::make_unique<FarPeer>(now);

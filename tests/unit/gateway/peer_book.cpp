@@ -465,5 +465,48 @@ TEST(PeerBook, on_this_machine_too_a_new_sender_does_not_displace_one_that_sent_
     EXPECT_EQ(book.place_for(stranger, start + 2s).evicted, a) << "it came again, too";
 }
 
+PeerBook::Options of_connections(std::size_t max, std::size_t of_address = 64) {
+    PeerBook::Options options;
+    options.max_peers = max;
+    options.max_of_address = of_address;
+    options.has_connections = true;
+    return options;
+}
+
+TEST(PeerBook, an_overdue_connection_is_replaced_only_when_its_place_is_needed) {
+    Book book{of_connections(2)};
+    book.join_once(a, phone, device, start);
+    book.join(b, laptop, device, start + 9s);
+    EXPECT_FALSE(book.place_for(at("192.168.1.40:5000"), start + 9s).free);
+    EXPECT_EQ(book.place_for(at("192.168.1.41:5000"), start + 10s).evicted, a) << "it sent a single frame";
+}
+
+TEST(PeerBook, an_ipv6_network_of_strangers_counts_as_one_address_of_connections) {
+    const auto host_at = [](int n) { return at(("[fd00::" + std::to_string(n) + "]:5000").c_str()); };
+    for (const bool has_connections : {true, false}) {
+        PeerBook::Options options = of_connections(8, 2);
+        options.has_connections = has_connections;
+        Book book{options};
+        book.join(a, host_at(1), host, start);
+        book.join(b, host_at(2), host, start);
+        EXPECT_EQ(book.place_for(host_at(3), start).free, !has_connections);
+        EXPECT_TRUE(book.place_for(host_at(3), start, PeerBook::Rank::commands).free);
+        EXPECT_TRUE(book.place_for(host_at(3), start, PeerBook::Rank::trusted).free);
+    }
+}
+
+TEST(PeerBook, the_longest_silent_ordinary_peer_frees_its_channel_for_another_link) {
+    Book book;
+    book.join_once(a, phone, host, start, PeerBook::Rank::trusted);
+    book.join_once(b, phone_again, host, start);
+    book.commanded(b, start);
+    book.join(c, laptop, device, start + 1s);
+    book.join(d, laptop, device, start + 2s);
+    EXPECT_EQ(book.longest_silent(PeerBook::Rank::trusted, start + 3s), c);
+    EXPECT_EQ(book.longest_silent(PeerBook::Rank::commands, start + 3s), c);
+    EXPECT_EQ(book.longest_silent(PeerBook::Rank::ordinary, start + 3s), std::nullopt);
+    EXPECT_EQ(book.longest_silent(PeerBook::Rank::ordinary, start + 61s), c);
+}
+
 }    // namespace
 }    // namespace anogate::peer_book_tests
