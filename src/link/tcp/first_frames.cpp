@@ -16,7 +16,7 @@ namespace anogate {
 namespace {
 
 constexpr int most_reads = 4;                                         // of a connection, before others have their turn
-constexpr Duration between_tries = std::chrono::milliseconds{100};    // of a sender without a place
+constexpr Duration between_admissions = std::chrono::milliseconds{100};    // of a sender without a place
 constexpr std::size_t always_waiting = 8;    // this number of connections may use descriptors that are reserved for links
 
 using Stage = WaitingConnection::Stage;
@@ -155,7 +155,7 @@ bool FirstFrames::try_to_admit(One& one, Sender sender, std::span<const std::uin
         return true;
     }
     if (one.refused_at == TimePoint{}) one.refused_at = now;
-    one.next_try = now + between_tries;
+    one.next_try = now + between_admissions;
     if (now - one.refused_at < patience) return false;
     remove(one);
     return true;
