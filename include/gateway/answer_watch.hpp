@@ -9,6 +9,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 namespace anogate {
 
@@ -22,20 +23,25 @@ public:
     void sent(ano::FrameView frame, ano::TimePoint now) noexcept {
         if (ano::intent_of(frame) == ano::Intent::informs) return;
         const auto answer = ano::answer_to(frame);
-        if (answer && answer->id() != ano::id_of<"firmware">) sent_[next_++ % memory] = {frame.destination(), *answer, now};
+        if (answer && answer->id() != ano::id_of<"firmware">) sent_[next_++ % memory] = {frame.destination(), *answer, now, {}};
     }
+    /// The same answer again within this time is a duplicate made by the line.
+    static constexpr ano::Duration doubled_within = std::chrono::milliseconds{100};
     /// `frame` was received on the channel. True: it answers or acknowledges a sent frame whose destination is not the source of
-    /// `frame`, and no sent frame whose destination is.
-    bool is_for_another(ano::FrameView frame, ano::TimePoint now) const noexcept {
+    /// `frame`, and no sent frame whose destination is: each of those has one answer.
+    bool is_for_another(ano::FrameView frame, ano::TimePoint now) noexcept {
         if (next_ == 0 || !ano::may_answer(frame.id()) || ano::address::is_host(frame.source())) return false;
         const auto answer = ano::answer_in(frame);
-        bool found = false;
-        for (const Sent& sent : sent_) {
+        bool is_asked_of_another = false, is_doubled = false;
+        Sent* open = nullptr;
+        for (Sent& sent : sent_) {
             if (sent.to == ano::address::unassigned || now - sent.at >= window || sent.answer != answer) continue;
-            if (ano::may_answer_for(frame.source(), sent.to)) return false;
-            found = true;
+            if (!ano::may_answer_for(frame.source(), sent.to)) is_asked_of_another = true;
+            else if (sent.answered_at) is_doubled = is_doubled || now - *sent.answered_at < doubled_within;
+            else if (open == nullptr || sent.at < open->at) open = &sent;
         }
-        return found;
+        if (open != nullptr) open->answered_at = now;
+        return open == nullptr && is_asked_of_another && !is_doubled;
     }
 
 private:
@@ -43,6 +49,7 @@ private:
         std::uint8_t to = ano::address::unassigned;
         ano::Answer answer{};
         ano::TimePoint at{};
+        std::optional<ano::TimePoint> answered_at{};
     };
 
     std::array<Sent, memory> sent_{};

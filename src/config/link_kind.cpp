@@ -42,9 +42,8 @@ LineRate line_rate_of(const LinkSettings& link) { return link.kind->line_rate ? 
 
 FlushSizes flush_sizes_of(const LinkSettings& link) noexcept {
     if (!link.kind->has_uart || !link.kind->has_uart(link)) return {};
-    const bool is_stated = link.max_data_out || link.profile != Profile::none;
-    const std::size_t longest = std::min<std::size_t>(Outbox::max_flush, link.effective_max_data_out() + ano::overhead);
-    return {is_stated ? longest : std::min(Outbox::usual_flush, longest), longest};
+    const std::size_t stated = link.max_data_out ? *link.max_data_out + ano::overhead : Outbox::usual_flush;
+    return {std::clamp(stated, Outbox::usual_flush, Outbox::max_flush), Outbox::max_flush};
 }
 
 std::optional<BoundPort> bound_port_of(const LinkSettings& link) {

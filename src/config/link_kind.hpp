@@ -155,8 +155,8 @@ LinkSettings new_link(const LinkKind& kind);
 Duration hello_interval(const LinkSettings& link) noexcept;
 /// The rate of the line in bytes/s, if the settings determine it; 0: not known.
 LineRate line_rate_of(const LinkSettings& link);
-/// Outbox::Options::flush_bytes and flush_again_bytes of its channels: as many as the longest frame that its devices accept. If
-/// no key defines that, the second flush is long enough for the devices with the longest frames.
+/// Outbox::Options::flush_bytes and flush_again_bytes of its channels. Fewer bytes than most parsers wait for would be no flush:
+/// many wait for more than their device accepts. The second flush is long enough for every parser.
 struct FlushSizes {
     std::size_t first = 0, again = 0;
 };

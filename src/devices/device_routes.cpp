@@ -63,6 +63,7 @@ struct JobRequest {
     MakeWork work;
     bool at_once = false;    // answered at once with the job, not later with its result
     std::string shared_as{};
+    bool is_first_frame = false;
 };
 
 // "192.168.1.5", "logger at 192.168.1.5"; at the Unix socket, where programs send their name, "anoctl param, process 7".
@@ -94,6 +95,7 @@ Response begin(DeviceService& service, const Request& request, JobRequest job_re
         client_of(request), std::move(job_request.work)};
     order.shared_as = std::move(job_request.shared_as);
     order.requester = requester;
+    order.is_first_frame = job_request.is_first_frame;
     const auto begun = service.begin(std::move(order), now);
     if (const auto* refused = std::get_if<NotBegun>(&begun)) return answer_of(*refused);
     const auto& job = std::get<std::shared_ptr<Job>>(begun);
@@ -322,10 +324,11 @@ Response call_the_cid(DeviceService& service, const Request& request) {
     if (!cid) return http::error(400, "'cid' must be an array of three bytes, as in [16, 0, 5]");
     if (constexpr std::size_t max_values = 8; values.size() > max_values)
         return http::error(422, "a command has at most 8 values");
-    return begin(service, request,
-                 {JobKind::command, Operation::write, [cid = *cid, values = values, order = order](const WorkPlace& place) {
-                      return call_by_cid(place, cid, order, values);
-                  }});
+    JobRequest job{JobKind::command, Operation::write, [cid = *cid, values = values, order = order](const WorkPlace& place) {
+                       return call_by_cid(place, cid, order, values);
+                   }};
+    job.is_first_frame = true;
+    return begin(service, request, std::move(job));
 }
 
 void add_command_routes(http::Routes& routes, DeviceService& service) {

@@ -286,8 +286,9 @@ std::shared_ptr<Job> DeviceService::shared(const JobOrder& order) const {
 }
 
 // A device that is not heard any more may still receive. A command, which may be LAND, is sent to it at once; anoctl first asks
-// for the description of the command.
-bool DeviceService::may_go_unheard(const JobOrder& order) const {
+// for the description of the command. The router decides which links may carry a command to a device that was never heard.
+bool DeviceService::may_go_unheard(const JobOrder& order, bool was_heard) const {
+    if (order.is_first_frame || !was_heard) return order.is_first_frame;
     return order.kind == JobKind::command || (order.kind == JobKind::commands && commands_.has(*order.address));
 }
 
@@ -296,7 +297,7 @@ std::optional<NotBegun> DeviceService::refusal(const JobOrder& order, TimePoint 
     const std::uint8_t address = *order.address;
     const auto where = net_.route_info(address, now);
     auto refused = guard_.refusal(order.operation, address, where, order.force);
-    if (!refused && !where.is_known && !(where.was_heard && may_go_unheard(order))) refused = Refusal::not_known;
+    if (!refused && !where.is_known && !may_go_unheard(order, where.was_heard)) refused = Refusal::not_known;
     if (!refused) return std::nullopt;
     NotBegun told = not_begun(status_of(*refused), why(*refused, address, net_.links_in_conflict(address, now)));
     if (told.status == 409) told.what = "refused";

@@ -208,7 +208,7 @@ private:
     static void learn_texts(Known& known, ano::FrameView frame) noexcept;
     WorkPlace place(const Job& job);
     std::optional<NotBegun> refusal(const JobOrder& order, ano::TimePoint now);
-    bool may_go_unheard(const JobOrder& order) const;
+    bool may_go_unheard(const JobOrder& order, bool was_heard) const;
     std::shared_ptr<Job> holder(std::uint8_t address) const;
     std::shared_ptr<Job> shared(const JobOrder& order) const;
     void write_back(ano::TimePoint now);

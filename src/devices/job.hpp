@@ -53,6 +53,7 @@ struct JobOrder {
     std::function<std::string()> result{};    // JSON; for works without a result of their own
     std::string shared_as{};                  // of a reading job: equal requests share its result; empty: not shared
     Requester requester{};
+    bool is_first_frame = false;    // a command that is sent before any question, even to a device that was never heard
 };
 
 struct Job {

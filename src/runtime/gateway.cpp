@@ -121,7 +121,9 @@ ControlLink* Gateway::control() {
 
 LinkId Gateway::add_control() {
     LinkSettings settings = ControlLink::link_settings(settings_);
-    const LinkId id = forwarder_.add_link(forwarder_link(settings, 0, {}));
+    ForwarderLink link = forwarder_link(settings, 0, {});
+    link.route.may_have_devices = false;    // its clients are programs
+    const LinkId id = forwarder_.add_link(link);
     auto control = std::make_unique<ControlLink>(id, std::move(settings),
                                                  LinkContext{io_, alarms_, *this, batch_, sender_, names_}, forwarder_);
     control_ = control.get();

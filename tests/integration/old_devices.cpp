@@ -68,6 +68,15 @@ TEST_F(OldDevices, the_simulated_one_acts_on_frames_for_other_addresses) {
     EXPECT_TRUE(daemon->until([&] { return no_route() == before + 1; })) << "now that it is known, it gets no more of them";
 }
 
+// The control link is made for the first request to the gateway.
+TEST_F(OldDevices, the_only_link_with_devices_is_still_the_only_one_beside_the_control_link) {
+    start({"sim:fc,dev_id=1,any_address"});
+    ASSERT_TRUE(until_heard(1));
+    ASSERT_NE(daemon->gateway().control(), nullptr);
+    send(0x44, 0xC0, take_off);
+    EXPECT_TRUE(daemon->until([&] { return acknowledged(1, 0xC0); }));
+}
+
 TEST_F(OldDevices, a_command_for_an_unknown_address_reaches_none_of_several) {
     start({"sim:fc,dev_id=1,any_address,name=old", "sim:imu"});
     ASSERT_TRUE(until_heard(1));

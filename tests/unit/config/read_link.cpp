@@ -268,6 +268,18 @@ TEST(LinkText, a_profile_only_sets_defaults) {
     EXPECT_EQ(hello_interval(link_of("serial:/dev/x,profile=vendor,broadcast=no")), 0s);
 }
 
+// Also of devices that accept less than the bytes for which their parsers wait.
+TEST(LinkText, a_flush_fills_every_parser_at_the_second_time) {
+    for (const char* keys : {"", ",profile=vendor", ",profile=old", ",max_data_out=60", ",max_data=100"}) {
+        const FlushSizes flush = flush_sizes_of(link_of(std::string{"serial:/dev/x"} + keys));
+        EXPECT_EQ(flush.first, 206u) << keys;
+        EXPECT_EQ(flush.again, 306u) << keys;
+    }
+    EXPECT_EQ(flush_sizes_of(link_of("serial:/dev/x,max_data_out=250")).first, 258u);
+    EXPECT_EQ(flush_sizes_of(link_of("serial:/dev/x,profile=old,max_data_out=4000")).first, 306u);
+    EXPECT_EQ(flush_sizes_of(link_of("udp:127.0.0.1:5")).again, 0u) << "no UART";
+}
+
 TEST(LinkText, the_queue_size_follows_max_data_out) {
     EXPECT_EQ(link_of("sim:fc,max_data=65535,max_data_out=100").queue, 32768u);
     EXPECT_EQ(link_of("sim:fc,max_data_out=65535").queue, 2u * 65543);

@@ -484,6 +484,35 @@ TEST_F(CommandRoutes, are_called_by_their_three_bytes_without_a_prior_request) {
     EXPECT_EQ(misfit.json.at("error"), "command 0x09 0x00 0x02: value 1, 300, is out of range for u8") << misfit.json;
 }
 
+// An acknowledgement, or none, shows whether it is there.
+TEST_F(CommandRoutes, called_by_their_bytes_are_the_first_frame_to_a_device_that_was_never_heard) {
+    net.add(0xDD).commands = {{{1, 0, 2}, {}, "LAND", ""}};
+    net.where[0xDD] = {};
+    net.sent.clear();
+    const TimePoint begin = net.time;
+    const auto there = net.ask("POST", "/devices/0xDD/commands/by-cid", R"({"cid": [1, 0, 2]})");
+    EXPECT_EQ(there.status, 200u) << there.json;
+    EXPECT_LE(net.time - begin, 50ms);
+    ASSERT_FALSE(net.sent.empty());
+    EXPECT_EQ(net.sent[0][3], 0xC0);
+    net.sent.clear();
+    const auto absent = net.ask("POST", "/devices/0xDE/commands/by-cid", R"({"cid": [1, 0, 2]})");
+    EXPECT_EQ(absent.status, 504u) << absent.json;
+    EXPECT_EQ(absent.json.at("error"), "no answer to command 0x01 0x00 0x02: it may have been carried out");
+    ASSERT_EQ(net.sent.size(), 1u);
+    EXPECT_EQ(net.sent[0][3], 0xC0);
+}
+
+TEST_F(CommandRoutes, called_by_their_bytes_that_no_link_may_carry_are_refused_at_once) {
+    net.refuses[0xC0] = "commands and writes to 0xDE are not sent";
+    const TimePoint begin = net.time;
+    const auto refused = net.ask("POST", "/devices/0xDE/commands/by-cid", R"({"cid": [1, 0, 2]})");
+    EXPECT_EQ(refused.status, 403u) << refused.json;
+    EXPECT_EQ(refused.json.at("error"), "commands and writes to 0xDE are not sent");
+    EXPECT_LE(net.time - begin, 50ms);
+    EXPECT_TRUE(net.sent.empty());
+}
+
 TEST_F(CommandRoutes, called_by_their_bytes_need_types_unless_they_were_read) {
     const std::string call = R"({"cid": [1, 0, 1], "values": [300]})";
     const auto [status, error] = net.ask("POST", "/devices/0xDC/commands/by-cid", call);

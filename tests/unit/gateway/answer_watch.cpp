@@ -17,8 +17,8 @@ namespace {
 constexpr ano::TimePoint start{1h};
 
 struct WatchedAnswers : testing::Test {
-    void sent(const Bytes& bytes) { watch.sent(ano::FrameView{bytes}, start); }
-    bool is_for_another(const Bytes& bytes, ano::TimePoint now = start) const {
+    void sent(const Bytes& bytes, ano::TimePoint now = start) { watch.sent(ano::FrameView{bytes}, now); }
+    bool is_for_another(const Bytes& bytes, ano::TimePoint now = start) {
         return watch.is_for_another(ano::FrameView{bytes}, now);
     }
     static Bytes acknowledgement(std::uint8_t from, const Bytes& of) {
@@ -48,6 +48,22 @@ TEST_F(WatchedAnswers, include_an_answer_to_another_devices_request) {
     EXPECT_FALSE(is_for_another(frame(0x01, 0xFE, 0x03, {5, 0, 9})));
     sent(frame(0xFE, 0x01, 0xE0, {2, 5, 0}));
     EXPECT_FALSE(is_for_another(answer)) << "it was asked the same";
+}
+
+// Answers with device info don't show which device was asked.
+TEST_F(WatchedAnswers, include_a_second_device_info_when_another_device_was_asked_as_well) {
+    const Bytes info = frame(0x01, 0xFE, 0xE3, {0x01, 0, 0});
+    const auto asked = [&](std::uint8_t to, ano::Duration after) { sent(frame(0xFE, to, 0xE0, {0, 0, 0}), start + after); };
+    asked(0x01, 0ms);
+    asked(0x01, 1ms);
+    asked(0x44, 500ms);
+    EXPECT_FALSE(is_for_another(info, start + 600ms));
+    EXPECT_FALSE(is_for_another(info, start + 800ms)) << "it was asked twice";
+    EXPECT_FALSE(is_for_another(info, start + 899ms)) << "a duplicate";
+    EXPECT_TRUE(is_for_another(info, start + 901ms));
+    asked(0xFF, 1s);
+    EXPECT_FALSE(is_for_another(info, start + 1200ms));
+    EXPECT_TRUE(is_for_another(info, start + 1400ms));
 }
 
 TEST_F(WatchedAnswers, any_device_may_answer_a_broadcast_or_a_port_request) {
