@@ -15,7 +15,7 @@
 namespace anogate {
 namespace {
 
-constexpr int most_reads = 4;                                         // of a connection, before others have their turn
+constexpr int most_reads = 4;                                              // of a connection, before others have their turn
 constexpr Duration between_admissions = std::chrono::milliseconds{100};    // of a sender without a place
 constexpr std::size_t always_waiting = 8;    // this number of connections may use descriptors that are reserved for links
 
