@@ -110,7 +110,7 @@ struct V7Counters {
     std::uint64_t down_unrepresentable{};    // a value that V7 can't represent
     std::uint64_t down_unmatched{};          // an acknowledgement of no command of the device
     std::uint64_t down_queue_full{};         // too many requests wait
-    std::uint64_t down_other_device{};       // to a host program: not of the device that it sees
+    std::uint64_t down_other_device{};       // to a device: for another one; to a host program: not of the device that it sees
 };
 
 struct V7CounterRow {
@@ -142,7 +142,7 @@ inline constexpr V7CounterRow v7_counters[] = {
     {"v7_down_unrepresentable", &V7Counters::down_unrepresentable, "to the device: a value that V7 cannot represent"},
     {"v7_down_unmatched", &V7Counters::down_unmatched, "to the device: an acknowledgement of none of its commands"},
     {"v7_down_queue_full", &V7Counters::down_queue_full, "to the device: too many requests wait for an answer"},
-    {"v7_down_other_device", &V7Counters::down_other_device, "to a host program: frames of devices other than v7_device"},
+    {"v7_down_other_device", &V7Counters::down_other_device, "frames for or of devices other than v7_device"},
 };
 
 inline void add(V7Counters& sum, const V7Counters& more) noexcept {
@@ -300,6 +300,7 @@ private:
     }
     std::uint8_t source_of(std::uint8_t v7_id) const noexcept { return V7LinkTranslation::source_of(v7_id, settings_.address); }
     bool is_own_id(std::uint8_t id) const noexcept;
+    bool is_for_device(std::uint8_t destination) const noexcept;
     std::uint8_t receiver(std::uint8_t asked, std::uint8_t v7_id) const noexcept;
     Origin origin_of(ano::FrameView frame) const noexcept;
 

@@ -52,12 +52,20 @@ V7Translation::Origin V7Translation::origin_of(ano::FrameView frame) const noexc
     return {frame.source(), is_own_id(to) ? to : settings_.address, frame.id(), frame.checks()};
 }
 
+// A frame for an unknown address is sent to every place. A V8 device ignores it there; a V7 device would execute it, because the
+// frame that it gets has no such receiver.
+bool V7Translation::is_for_device(std::uint8_t destination) const noexcept {
+    const bool is_port = destination != address::unassigned && destination <= address::last_port_id;
+    return destination == address::broadcast || is_port || is_own_id(destination);
+}
+
 void V7Translation::down(ano::FrameView frame, ano::TimePoint now, V7Output& output) {
     const std::uint8_t id = frame.id();
     const Data data = frame.data();
     if (is_of_own_sensor(id)) return drop(&V7Counters::down_own_sensor);
     if (has_no_counterpart(id)) return drop(&V7Counters::down_no_counterpart);
     if (!settings_.down[id == 0xC1 ? 0xC0 : id]) return drop(&V7Counters::down_not_allowed);
+    if (!is_for_device(frame.destination())) return drop(&V7Counters::down_other_device);
     if (data.empty()) return drop(&V7Counters::down_malformed);
     const Origin origin = origin_of(frame);
     switch (id) {

@@ -161,6 +161,28 @@ TEST_F(TcpStrangers, that_hold_all_places_for_silent_connections_are_replaced_by
     EXPECT_EQ(std::count_if(peers.begin(), peers.end(), [](TcpPeer& p) { return p.is_closed(); }), 1);
 }
 
+TEST_F(TcpStrangers, that_leave_make_room_for_a_client_that_only_receives) {
+    start({"tcp-listen:10.0.0.1:0,name=air,max_peers=1", "sim:fc,name=fc"});
+    TcpPeer first = connect(10, "air");
+    ASSERT_TRUE(until([&] { return channels("air") == 1; }));
+    TcpPeer listener = connect(11, "air");
+    ASSERT_TRUE(until([&] { return daemon->link("air").at("without_frame") == 1; }));
+    EXPECT_TRUE(listener.heard().empty());
+    first.close();
+    EXPECT_TRUE(until([&] { return !listener.heard().empty(); }));
+}
+
+TEST_F(TcpStrangers, of_the_same_address_do_not_replace_a_quiet_host) {
+    start({"tcp-listen:10.0.0.1:0,name=air"});
+    connect_strangers("air", 4, commands);
+    ASSERT_TRUE(until([&] { return daemon->count("air", "frames_in") == 4; }));
+    run_for(1300ms);
+    TcpPeer fifth = connect(10, "air");
+    fifth.send(asks);
+    ASSERT_TRUE(until([&] { return daemon->count("air", "denied_in") == 1; }));
+    EXPECT_EQ(std::count_if(peers.begin(), peers.end(), [](TcpPeer& p) { return p.is_closed(); }), 0);
+}
+
 TEST_F(TcpStrangers, do_not_keep_a_restarted_device_from_its_place) {
     start({"tcp-listen:10.0.0.1:0,name=air,max_peers=1"});
     const Bytes telemetry = frame(0xDC, 0xFE, 0x01, Bytes(13));

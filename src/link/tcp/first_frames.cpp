@@ -161,6 +161,15 @@ bool FirstFrames::try_to_admit(One& one, Sender sender, std::span<const std::uin
     return true;
 }
 
+void FirstFrames::admit_silent(const std::function<bool(const Endpoint& peer)>& has_room) {
+    for (std::size_t i = 0; i < all_.size();) {
+        One& one = *all_[i];
+        const bool is_silent = one.facts.stage == Stage::silent;
+        if (is_silent && has_room(one.peer) && admit_(one.socket.fd(), {.peer = one.peer, .tls = one.tls})) remove(one);
+        else ++i;
+    }
+}
+
 void FirstFrames::remove(One& one) {
     const auto at = std::find_if(all_.begin(), all_.end(), [&](const auto& other) { return other.get() == &one; });
     one.add_to(gone_);

@@ -45,6 +45,8 @@ public:
 
     /// False: no place is free, because trusted peers hold all of them, or too few descriptors are left.
     bool add(UniqueFd fd, const Endpoint& peer, std::shared_ptr<TlsConnection> tls, bool is_trusted);
+    /// Admits connections that have sent nothing, the oldest first, as long as `has_room` for the peer of each.
+    void admit_silent(const std::function<bool(const Endpoint& peer)>& has_room);
     void stop_reading();
     void close();
 

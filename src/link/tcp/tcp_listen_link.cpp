@@ -26,7 +26,8 @@ namespace {
 
 constexpr int accepts_per_turn = 64;
 constexpr Duration accept_pause = std::chrono::seconds{1};
-constexpr Duration one_exchange = std::chrono::seconds{1};    // longest silence of a device during an exchange
+constexpr Duration between_silent = std::chrono::seconds{1};    // looks for room for those that only receive
+constexpr Duration one_exchange = std::chrono::seconds{1};      // longest silence of a device during an exchange
 
 PeerBook::Options book_options(const TcpListenSettings& tcp) {
     const std::size_t quarter = tcp.max_peers / 4u;
@@ -111,7 +112,8 @@ TcpListenLink::TcpListenLink(LinkId id, LinkSettings settings, const LinkContext
       first_frames_{context, first_frame_options(this->settings()),
                     [this](int fd, const FirstFrames::Sender& sender) { return admit(fd, sender); }},
       sweep_{context.alarms, [this] { ended_.clear(); }},
-      accept_again_{context.alarms, [this] { accept_on(); }} {
+      accept_again_{context.alarms, [this] { accept_on(); }},
+      silent_again_{context.alarms, [this] { admit_silent(); }} {
     if (!this->settings().kind->encrypts) return;
     tls_ = std::make_unique<TlsContext>(this->settings().as<TcpListenSettings>().tls, TlsContext::Side::listens);
     handshakes_.emplace(
@@ -177,7 +179,8 @@ void TcpListenLink::await_frame(UniqueFd fd, const Endpoint& peer, std::shared_p
     const TimePoint now = context_.host.now();
     if (!fd) return no_memory_.add(now);
     if (has_room_for_silent(peer, now) && admit(fd.get(), {peer, encrypted})) return;
-    if (!first_frames_.add(std::move(fd), peer, std::move(encrypted), is_trusted(peer.address))) no_place_.add(now);
+    if (!first_frames_.add(std::move(fd), peer, std::move(encrypted), is_trusted(peer.address))) return no_place_.add(now);
+    if (!silent_again_.is_set()) silent_again_.set(now + between_silent);
 } catch (const std::bad_alloc&) {
     no_memory_.add(context_.host.now());
 }
@@ -188,6 +191,12 @@ bool TcpListenLink::has_room_for_silent(const Endpoint& peer, TimePoint now) {
     const PeerBook::Rank rank = is_trusted(peer.address) ? PeerBook::Rank::trusted : PeerBook::Rank::ordinary;
     const PeerBook::Place place = book_.place_for(peer, now, rank);
     return place.free && !place.evicted;
+}
+
+void TcpListenLink::admit_silent() {
+    const TimePoint now = context_.host.now();
+    first_frames_.admit_silent([&](const Endpoint& peer) { return has_room_for_silent(peer, now); });
+    if (first_frames_.size() > 0) silent_again_.set(now + between_silent);
 }
 
 bool TcpListenLink::is_trusted(const IpAddress& address) const {
@@ -250,8 +259,9 @@ bool TcpListenLink::make_place(const FirstFrames::Sender& sender, PeerBook::Rank
 
 // A device that restarted, or its bridge: the kernel notices only later that its old connection is lost.
 TcpListenLink::Connection* TcpListenLink::former_of(const FirstFrames::Sender& sender, PeerBook::Rank rank, TimePoint now) {
+    if (!sender.source || ano::address::is_host(*sender.source)) return nullptr;    // hosts share one address
     for (const auto& one : connections_) {
-        const bool is_same = one->address == sender.peer.address && (!sender.source || one->has_heard(*sender.source));
+        const bool is_same = one->address == sender.peer.address && one->has_heard(*sender.source);
         if (is_same && now - one->heard_at() >= one_exchange && book_.rank(one->id) <= rank) return one.get();
     }
     return nullptr;
@@ -309,6 +319,7 @@ void TcpListenLink::stop_reading() {
     is_ending_ = true;
     listener_.stop_reading();
     accept_again_.cancel();
+    silent_again_.cancel();
     reconnect_.stop();
     if (handshakes_) handshakes_->close();
     first_frames_.stop_reading();
@@ -318,6 +329,7 @@ void TcpListenLink::stop_reading() {
 void TcpListenLink::stop() {
     reconnect_.stop();
     accept_again_.cancel();
+    silent_again_.cancel();
     sweep_.cancel();
     listener_.close();
     if (handshakes_) handshakes_->close();

@@ -46,6 +46,7 @@ private:
     void on_accepted(UniqueFd fd, const Endpoint& peer);
     /// After the handshake, if it is encrypted. While there is little room, the connection waits for its first frame.
     void await_frame(UniqueFd fd, const Endpoint& peer, std::shared_ptr<TlsConnection> encrypted);
+    void admit_silent();
     bool has_room_for_silent(const Endpoint& peer, TimePoint now);
     /// Opens a channel for the connection. False: there is no place.
     bool admit(int fd, const FirstFrames::Sender& sender);
@@ -71,6 +72,7 @@ private:
     std::vector<std::unique_ptr<Connection>> ended_;    // destroyed after their calls have returned
     Alarm sweep_;
     Alarm accept_again_;                      // after a lack of descriptors or memory
+    Alarm silent_again_;                      // while connections wait for their first frame
     std::unique_ptr<TlsContext> tls_;         // nullptr: not encrypted
     std::optional<Handshakes> handshakes_;    // if encrypted
     bool is_ending_ = false;

@@ -153,7 +153,7 @@ export const causes: Record<string, [string, string]> = {
   v7_down_unrepresentable: ["to the V7 device: a value that V7 cannot represent", "发往 V7 设备：V7 无法表示的值"],
   v7_down_unmatched: ["to the V7 device: an acknowledgement of none of its commands", "发往 V7 设备：没有对应命令的应答"],
   v7_down_queue_full: ["to the V7 device: too many requests wait for an answer", "发往 V7 设备：等待应答的请求过多"],
-  v7_down_other_device: ["to the V7 host program: frames of devices other than v7_device", "发往 V7 上位机程序：v7_device 以外的设备的帧"],
+  v7_down_other_device: ["V7: frames for or of devices other than v7_device", "V7：发给或来自 v7_device 以外的设备的帧"],
   held_back: ["the peer has not confirmed its address yet", "对端尚未确认其地址"],
 };
 

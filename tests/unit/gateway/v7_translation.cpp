@@ -326,6 +326,14 @@ TEST(V7Translation, an_acknowledgement_after_one_second_is_dropped) {
     EXPECT_EQ(link.counted().up_unmatched, 1u);
 }
 
+// The router sends frames for an unknown address everywhere.
+TEST(V7Translation, a_command_for_another_device_is_not_sent) {
+    V7Link link{imu};
+    EXPECT_TRUE(link.down(frame(host, fc, 0xC0, {0x10, 0, 1})).empty());
+    EXPECT_EQ(link.counted().down_other_device, 1u);
+    EXPECT_EQ(link.down(frame(host, 3, 0xC0, {0x10, 0, 1})).size(), 1u) << "the port id of its link";
+}
+
 TEST(V7Translation, a_command_to_everybody_is_acknowledged_by_the_address) {
     V7Link link{imu};
     const Bytes command = frame(host, everybody, 0xC0, {0x10, 0, 6});
