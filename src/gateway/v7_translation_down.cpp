@@ -55,8 +55,8 @@ V7Translation::Origin V7Translation::origin_of(ano::FrameView frame) const noexc
 // A frame for an unknown address is sent to every place. A V8 device ignores it there; a V7 device would execute it, because the
 // frame that it gets has no such receiver.
 bool V7Translation::is_for_device(std::uint8_t destination) const noexcept {
-    const bool is_port = destination != address::unassigned && destination <= address::last_port_id;
-    return destination == address::broadcast || is_port || is_own_id(destination);
+    const bool is_port = destination != ano::address::unassigned && destination <= ano::address::last_port_id;
+    return destination == ano::address::broadcast || is_port || is_own_id(destination);
 }
 
 void V7Translation::down(ano::FrameView frame, ano::TimePoint now, V7Output& output) {
