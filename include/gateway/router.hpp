@@ -90,7 +90,7 @@ public:
     /// Its wire is disconnected, the channel stays open. A device that is received elsewhere then has moved; its old place is not
     /// asked.
     void went_down(ChannelId channel);
-    /// Its wire is connected again, perhaps to nobody: its group does not choose it for what was received before.
+    /// Its wire is connected again. Its group does not choose it before a frame is received: the other end may not be in use.
     void came_up(ChannelId channel) {
         down_.erase(channel);
         report_unreachable(link_of_[index(channel)]);

@@ -4,6 +4,8 @@
 #include <gateway/tunnel/tunnel_policy.hpp>
 
 #include <algorithm>
+#include <charconv>
+#include <optional>
 
 namespace anogate {
 namespace {
@@ -86,6 +88,14 @@ bool leads_to(const LinkSettings& link, const PeerPort& to, const BoundPort& bou
            std::all_of(used.begin(), used.end(), [&](const IpAddress& one) { return one.is_loopback() || is_received(one); });
 }
 
+std::size_t max_channels_of(const LinkSettings& link) {
+    const Key<LinkSettings>* const key = find_key(link.kind->keys, "max_peers");
+    std::size_t peers = 1;
+    if (const std::string text = key == nullptr ? "" : key->text_in(link).value_or(""); !text.empty())
+        std::from_chars(text.data(), text.data() + text.size(), peers);
+    return peers;
+}
+
 /// `leads(link, to, port)`: whether this is an error.
 template <typename Leads>
 void add_own_peers(Draft& draft, Leads leads) {
@@ -99,6 +109,24 @@ void add_own_peers(Draft& draft, Leads leads) {
 }
 
 }    // namespace
+
+void check_channels(Draft& draft) {
+    std::size_t sum = 0, most = 1;
+    std::optional<std::size_t> largest;
+    for (std::size_t i = 0; i < draft.settings.links.size(); ++i) {
+        const std::size_t channels = max_channels_of(draft.settings.links[i]);
+        sum += channels;
+        if (channels <= most) continue;
+        most = channels;
+        largest = i;
+    }
+    if (sum <= max_channels || !largest) return;
+    draft.warnings.push_back({draft.links[*largest].key("max_peers"),
+                              "note: the links may have " + std::to_string(sum) + " channels together, and the gateway has " +
+                                  std::to_string(max_channels) +
+                                  ": when all are in use, silent peers are replaced and new ones may be refused; lower "
+                                  "'max_peers'"});
+}
 
 void check_peers(Draft& draft) {
     add_own_peers(draft, [](const LinkSettings& link, const PeerPort& to, const BoundPort& bound) {

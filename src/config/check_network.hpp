@@ -1,4 +1,4 @@
-// Checks which ports are reachable: by peers in the network, and by links of this gateway.
+// Checks which ports are reachable, by peers in the network and by links of this gateway, and how many peers there may be.
 #pragma once
 #include <config/config.hpp>
 #include <gateway/host_spec.hpp>
@@ -13,6 +13,9 @@ void check_relay(Draft& draft);
 /// The same for the addresses of our interfaces, `own`. These are known only on the machine and may change, so only --check calls
 /// this.
 void check_relay(Draft& draft, const std::vector<Network>& own);
+
+/// Adds a note if the links may have more peers together than the gateway has channels.
+void check_channels(Draft& draft);
 
 /// Adds an error for each link whose peer is a port of this gateway: its frames would return, be refused, or arrive at a
 /// port for another purpose.

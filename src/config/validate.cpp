@@ -434,6 +434,7 @@ void validate(Draft& draft) {
     Validation{draft}.all();
     check_peers(draft);
     check_relay(draft);
+    check_channels(draft);
 }
 
 }    // namespace anogate

@@ -5,7 +5,6 @@
 #include <http/tls.hpp>
 #include <link/tcp/tcp_keys.hpp>
 #include <link/tcp/tls_context.hpp>
-#include <link/udp/udp_settings.hpp>
 #include <sys/files/state_folder.hpp>
 
 #include <cerrno>
@@ -59,33 +58,10 @@ void warn_of_tokens(Draft& draft, bool service) {
         draft.warnings.push_back({draft.control.key("token_file"), "warning: control.http stays off: " + usable.error()});
 }
 
-std::size_t most_channels_of(const LinkSettings& link) {
-    if (!link.kind->listens) return 1;
-    return link.kind->carries == Carries::bytes ? link.as<TcpListenSettings>().max_peers : link.as<UdpListenSettings>().max_peers;
-}
-
-void warn_of_channels(Draft& draft) {
-    std::size_t most = 0, most_of_link = 0, at = 0;
-    for (std::size_t i = 0; i < draft.settings.links.size(); ++i) {
-        const std::size_t channels = most_channels_of(draft.settings.links[i]);
-        most += channels;
-        if (channels <= most_of_link) continue;
-        most_of_link = channels;
-        at = i;
-    }
-    if (most <= max_channels || most_of_link <= 1) return;
-    draft.warnings.push_back(
-        {draft.links[at].key("max_peers"),
-         "note: the links may have " + std::to_string(most) + " channels together, and the gateway has " +
-             std::to_string(max_channels) +
-             ": when all are in use, silent peers are replaced and new ones may be refused; lower 'max_peers'"});
-}
-
 }    // namespace
 
 void warn_of_listener(Draft& draft, bool is_for_service) {
     for (std::size_t i = 0; i < draft.settings.links.size(); ++i) warn_of_link(draft, i, is_for_service);
-    warn_of_channels(draft);
     if (!draft.settings.control.http) return;
     warn_of_tls(draft, is_for_service);
     warn_of_tokens(draft, is_for_service);

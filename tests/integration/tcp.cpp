@@ -292,7 +292,7 @@ protected:
 
 INSTANTIATE_TEST_SUITE_P(Loses, TcpInGroup, testing::Bool(), [](const auto& loses) { return loses.param ? "cable" : "radio"; });
 
-// The radio's listener stays: the gateway connects to it again, and nobody reads there.
+// The listener of the radio stays open, so the gateway connects to it again, but no program reads there.
 TEST_P(TcpInGroup, fail_over_loses_and_duplicates_no_command) {
     const bool by_cable = GetParam();
     ASSERT_TRUE(accepts(radio, air));

@@ -1,4 +1,5 @@
-// Connections of a listening port until their first valid frame. They have no channel, so those that send nothing use none.
+// Connections of a listening port that wait for their first valid frame, or for room. They have no channel, so that many silent ones
+// leave the channels of the gateway to others.
 #pragma once
 #include <ano/parser.hpp>
 #include <gateway/counters.hpp>

@@ -76,7 +76,16 @@ TEST(Config, warns_of_peers_that_may_use_too_much_memory_for_a_small_computer) {
     EXPECT_EQ(warnings("serial:/dev/ttyS0,queue=60000000"), "");
 }
 
-TEST(Config, warns_of_a_listening_link_of_a_group_that_trusts_nobody) {
+TEST(Config, warns_of_more_peers_than_channels) {
+    const auto warnings = [](const std::string& links) { return lines(parse_config("{\"links\": [" + links + "]}").warnings); };
+    const std::string half = R"("tcp-listen:127.0.0.1:1,max_peers=32")", other = R"("udp-listen:127.0.0.1:2,max_peers=31")";
+    EXPECT_EQ(warnings(half + ", " + other + ", \"sim:fc\""), "");
+    const std::string text = warnings(half + ", " + other + R"(, "sim:fc", "sim:imu")");
+    EXPECT_NE(text.find("LINK 'tcp-listen:127.0.0.1:1,max_peers=32': "), std::string::npos) << text;
+    EXPECT_NE(text.find("the links may have 65 channels together, and the gateway has 64"), std::string::npos) << text;
+}
+
+TEST(Config, warns_of_a_listening_link_of_a_group_without_trusted_peers) {
     const auto warns = [](const std::string& link) {
         const auto config = parse_config("{\"links\": [\"sim:fc,group=a\", \"" + link + "\"]}");
         return lines(config.warnings).find("without 'trusted', no peer of this link is in the group") != std::string::npos;
