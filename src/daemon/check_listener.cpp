@@ -42,8 +42,8 @@ void warn_of_link(Draft& draft, std::size_t at, bool service) {
         *file = seen_by(service, *file);
         if (service && is_hidden(*file)) return;
     }
-    TlsContext tls{files, TlsContext::Side::connects};
-    if (const std::string fault = tls_trouble(tls).text; !fault.empty())
+    const auto tls = TlsContext::read(files, TlsContext::Side::connects);
+    if (const std::string fault = tls ? expiry_trouble((*tls)->days_left()).text : tls.error().text; !fault.empty())
         draft.warnings.push_back({draft.links[at].key("certificate"), "warning: " + fault});
 }
 

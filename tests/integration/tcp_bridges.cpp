@@ -119,6 +119,7 @@ struct Stunnel : testing::Test {
 TEST_F(Stunnel, connects_to_our_port) {
     if (!is_installed("stunnel")) GTEST_SKIP() << "stunnel4 is not installed";
     RunningGateway daemon{settings_of_texts({"tls-listen:127.0.0.1:0,name=t" + ours(), ground})};
+    ASSERT_TRUE(daemon.until_up("t"));
     const Shell stunnel{command(true, port, daemon.port("t"))};
     TcpPeer far;
     ASSERT_TRUE(daemon.until([&] {

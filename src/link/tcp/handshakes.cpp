@@ -44,9 +44,9 @@ struct Handshakes::One {
     BackgroundTask step;
 };
 
-Handshakes::Handshakes(const LinkContext& context, TlsContext& tls, Done done, Failed failed)
+Handshakes::Handshakes(const LinkContext& context, const CertificateReader& certificates, Done done, Failed failed)
     : context_{context},
-      tls_{tls},
+      certificates_{certificates},
       done_{std::move(done)},
       failed_{std::move(failed)},
       turns_{context.alarms, [this] { run_turns(); }},
@@ -130,7 +130,7 @@ void Handshakes::await(One& one) {
 void Handshakes::heard(One& one) try {
     if (!one.tls) {
         if (has_hung_up(one.socket.fd())) return fail(one, "the other end closed the connection during the handshake");
-        auto made = tls_.connection(one.socket.fd(), {});
+        auto made = certificates_.connection(one.socket.fd(), {});
         if (!made) return fail(one, made.error().text);
         one.tls = std::move(*made);
         one.facts.stage = Stage::begun;

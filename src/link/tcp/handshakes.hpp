@@ -4,7 +4,7 @@
 #include <gateway/ip.hpp>
 #include <link/link_context.hpp>
 #include <link/refusals.hpp>
-#include <link/tcp/tls_context.hpp>
+#include <link/tcp/certificate_reader.hpp>
 #include <sys/alarm.hpp>
 #include <sys/unique_fd.hpp>
 #include <sys/waiting_places.hpp>
@@ -29,7 +29,7 @@ public:
     using Done = std::function<void(UniqueFd, const Endpoint& peer, std::shared_ptr<TlsConnection>)>;
     using Failed = std::function<void(const std::string& why)>;
 
-    Handshakes(const LinkContext& context, TlsContext& tls, Done done, Failed failed);
+    Handshakes(const LinkContext& context, const CertificateReader& certificates, Done done, Failed failed);
     ~Handshakes();
 
     /// False: no place is free, because trusted peers hold all of them, or too few descriptors are left. A connection dropped to
@@ -57,7 +57,7 @@ private:
     std::vector<WaitingConnection> facts() const;
 
     LinkContext context_;
-    TlsContext& tls_;
+    const CertificateReader& certificates_;
     Done done_;
     Failed failed_;
     std::vector<std::unique_ptr<One>> all_;      // in order of arrival

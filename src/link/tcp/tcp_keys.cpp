@@ -10,15 +10,19 @@ void check_pair(const LinkCertificates& files, LinkFaults& faults) {
     else faults.error("certificate", "'key' also needs 'certificate'");
 }
 
-LinkError tls_trouble(TlsContext& tls) {
-    const auto days_left = tls.days_left();
-    if (const std::string& fault = tls.fault(); !fault.empty())
-        return {"tls", fault + (days_left ? "; the previous certificates stay in use until a restart" : ""), {}};
+LinkError expiry_trouble(std::optional<std::int64_t> days_left) {
     constexpr std::int64_t soon = 14;
     if (!days_left || *days_left > soon) return {};
     const std::string days = std::to_string(*days_left);
     if (*days_left < 0) return {"certificate_expires", "the certificate of this link has expired: replace it", {{"days", days}}};
     return {"certificate_expires", "the certificate of this link expires in " + days + " days: replace it", {{"days", days}}};
+}
+
+LinkError tls_trouble(const CertificateReader& certificates) {
+    const std::string& fault = certificates.fault();
+    if (fault.empty()) return expiry_trouble(certificates.days_left());
+    return {
+        "tls", fault + (certificates.has_usable() ? "; the previous certificates stay in use until this is corrected" : ""), {}};
 }
 
 }    // namespace anogate

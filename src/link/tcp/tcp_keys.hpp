@@ -2,9 +2,11 @@
 #pragma once
 #include <config/link_kind.hpp>
 #include <link/link_error.hpp>
+#include <link/tcp/certificate_reader.hpp>
 #include <link/tcp/tcp_settings.hpp>
-#include <link/tcp/tls_context.hpp>
 
+#include <cstdint>
+#include <optional>
 #include <string_view>
 
 namespace anogate {
@@ -17,7 +19,9 @@ inline constexpr std::string_view ca_help = "PEM file of the CA certificates to 
 
 /// An error if there is a certificate without a key, or a key without a certificate.
 void check_pair(const LinkCertificates& files, LinkFaults& faults);
-/// The error for files that can't be used, or for a certificate that expires within 14 days; empty: neither.
-LinkError tls_trouble(TlsContext& tls);
+/// The error for a certificate that expires within 14 days or has expired; empty: neither.
+LinkError expiry_trouble(std::optional<std::int64_t> days_left);
+/// The error for files that can't be used, or as expiry_trouble(); empty: neither.
+LinkError tls_trouble(const CertificateReader& certificates);
 
 }    // namespace anogate

@@ -26,19 +26,28 @@ TcpLink::TcpLink(LinkId id, LinkSettings settings, const LinkContext& context)
                  [this](LinkError why) { reconnect_.lost(std::move(why)); }},
       reconnect_{context, *this,
                  [this]() -> Opened<void> {
-                     connector_.start();
+                     connect();
                      return {};
                  },
                  Backoff::network} {
     if (this->settings().kind->encrypts)
-        tls_ = std::make_unique<TlsContext>(this->settings().as<TcpSettings>().tls, TlsContext::Side::connects);
+        certificates_ = std::make_unique<CertificateReader>(context, this->settings().as<TcpSettings>().tls,
+                                                            TlsContext::Side::connects);
     translate(this->settings().as<TcpSettings>().v7, this->settings());
 }
 
+void TcpLink::connect() {
+    if (!certificates_) return connector_.start();
+    certificates_->read([this](Opened<void> usable) {
+        if (usable) connector_.start();
+        else reconnect_.lost(std::move(usable.error()));
+    });
+}
+
 void TcpLink::connected(UniqueFd fd, const Endpoint& peer) {
-    if (tls_) {
+    if (certificates_) {
         const HostSpec& to = tcp_peer(settings());
-        auto encrypted = tls_->connection(fd.get(), to.host.empty() ? to.address.text() : to.host);
+        auto encrypted = certificates_->connection(fd.get(), to.host.empty() ? to.address.text() : to.host);
         if (!encrypted) return reconnect_.lost(std::move(encrypted.error()));
         encrypt_by(std::move(*encrypted));
     }
@@ -79,23 +88,25 @@ void TcpLink::fail(LinkError why) {
 
 void TcpLink::stop_reading() {
     pause_reading();
+    if (certificates_) certificates_->stop();
     connector_.stop();
     reconnect_.stop();
 }
 
 void TcpLink::stop() {
+    if (certificates_) certificates_->stop();
     connector_.stop();
     reconnect_.stop();
     close();
 }
 
-LinkError TcpLink::trouble() const { return tls_ ? tls_trouble(*tls_) : LinkError{}; }
+LinkError TcpLink::trouble() const { return certificates_ ? tls_trouble(*certificates_) : LinkError{}; }
 
 std::size_t TcpLink::unsent() const { return not_acknowledged(); }
 
 LinkFacts TcpLink::facts() const {
     LinkFacts facts{{"peer", tcp_peer(settings()).text()}};
-    if (const auto days = tls_ ? tls_->days_left() : std::nullopt) facts.push_back({"certificate_days", *days});
+    if (const auto days = certificates_ ? certificates_->days_left() : std::nullopt) facts.push_back({"certificate_days", *days});
     add_facts(facts);
     if (!is_open()) return facts;
     facts.push_back({"address", connected_to_});

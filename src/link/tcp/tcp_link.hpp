@@ -1,6 +1,7 @@
 // A connection to one listening peer: a Wi-Fi bridge, ser2net, a program on another computer. Encrypted or not.
 #pragma once
 #include <link/reconnect.hpp>
+#include <link/tcp/certificate_reader.hpp>
 #include <link/tcp/connector.hpp>
 #include <link/tcp/tcp_session.hpp>
 #include <link/tcp/tcp_settings.hpp>
@@ -25,6 +26,7 @@ public:
     bool write_raw(std::span<const std::uint8_t> bytes) override { return StreamSession::write_raw(bytes); }
 
 private:
+    void connect();
     void connected(UniqueFd fd, const Endpoint& peer);
     void opened() override;
     void acknowledges_nothing() override { context_.host.report_unreachable(*this); }
@@ -33,8 +35,8 @@ private:
     void fail(LinkError why);
 
     Channel* channel_ = nullptr;
-    std::string connected_to_;           // the address; empty: none
-    std::unique_ptr<TlsContext> tls_;    // nullptr: not encrypted
+    std::string connected_to_;                           // the address; empty: none
+    std::unique_ptr<CertificateReader> certificates_;    // nullptr: not encrypted
     Connector connector_;
     Reconnect reconnect_;
 };

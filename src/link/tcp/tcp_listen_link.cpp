@@ -115,9 +115,10 @@ TcpListenLink::TcpListenLink(LinkId id, LinkSettings settings, const LinkContext
       accept_again_{context.alarms, [this] { accept_on(); }},
       silent_again_{context.alarms, [this] { admit_silent(); }} {
     if (!this->settings().kind->encrypts) return;
-    tls_ = std::make_unique<TlsContext>(this->settings().as<TcpListenSettings>().tls, TlsContext::Side::listens);
+    certificates_ = std::make_unique<CertificateReader>(context, this->settings().as<TcpListenSettings>().tls,
+                                                        TlsContext::Side::listens);
     handshakes_.emplace(
-        context_, *tls_,
+        context_, *certificates_,
         [this](UniqueFd fd, const Endpoint& peer, std::shared_ptr<TlsConnection> tls) {
             await_frame(std::move(fd), peer, std::move(tls));
         },
@@ -130,8 +131,15 @@ TcpListenLink::TcpListenLink(LinkId id, LinkSettings settings, const LinkContext
 TcpListenLink::~TcpListenLink() = default;
 
 Opened<void> TcpListenLink::open() {
-    if (tls_)
-        if (auto read = tls_->refresh(); !read) return NotOpened{std::move(read.error())};
+    if (!certificates_) return listen();
+    certificates_->read([this](Opened<void> usable) {
+        if (usable) usable = listen();
+        if (!usable) reconnect_.lost(std::move(usable.error()));
+    });
+    return {};
+}
+
+Opened<void> TcpListenLink::listen() {
     auto socket = listen_tcp(settings().as<TcpListenSettings>().local);
     if (!socket) return NotOpened{std::move(socket.error())};
     reconnect_.came_up(context_.host.now());
@@ -321,6 +329,7 @@ void TcpListenLink::stop_reading() {
     accept_again_.cancel();
     silent_again_.cancel();
     reconnect_.stop();
+    if (certificates_) certificates_->stop();
     if (handshakes_) handshakes_->close();
     first_frames_.stop_reading();
     for (const auto& one : connections_) one->pause_reading();
@@ -328,6 +337,7 @@ void TcpListenLink::stop_reading() {
 
 void TcpListenLink::stop() {
     reconnect_.stop();
+    if (certificates_) certificates_->stop();
     accept_again_.cancel();
     silent_again_.cancel();
     sweep_.cancel();
@@ -354,7 +364,7 @@ LinkFacts TcpListenLink::facts() const {
     const EndpointSpec& written = settings().as<TcpListenSettings>().local;
     LinkFacts facts{{"address", listener_.is_open() ? local_.text() : written.text()},
                     {"port", std::int64_t{listener_.is_open() ? local_.port : written.port}}};
-    if (const auto days = tls_ ? tls_->days_left() : std::nullopt) facts.push_back({"certificate_days", *days});
+    if (const auto days = certificates_ ? certificates_->days_left() : std::nullopt) facts.push_back({"certificate_days", *days});
     if (listener_.is_open()) facts.push_back({"without_frame", static_cast<std::int64_t>(first_frames_.size())});
     if (settings().as<TcpListenSettings>().v7.is_on()) {
         V7Counters all = v7_of_ended_;
@@ -366,7 +376,7 @@ LinkFacts TcpListenLink::facts() const {
 }
 
 LinkError TcpListenLink::trouble() const {
-    if (LinkError files = tls_ ? tls_trouble(*tls_) : LinkError{}; !files.text.empty()) return files;
+    if (LinkError files = certificates_ ? tls_trouble(*certificates_) : LinkError{}; !files.text.empty()) return files;
     const TimePoint now = context_.host.now();
     if (const std::string count = handshakes_ ? handshakes_->evicted().recent(now) : ""; !count.empty())
         return {"handshakes",

@@ -6,10 +6,10 @@
 #include <link/own_networks.hpp>
 #include <link/reconnect.hpp>
 #include <link/refusals.hpp>
+#include <link/tcp/certificate_reader.hpp>
 #include <link/tcp/first_frames.hpp>
 #include <link/tcp/handshakes.hpp>
 #include <link/tcp/tcp_settings.hpp>
-#include <link/tcp/tls_context.hpp>
 #include <sys/descriptor.hpp>
 
 #include <memory>
@@ -41,6 +41,7 @@ public:
 private:
     class Connection;
     Opened<void> open();
+    Opened<void> listen();
     void accept();
     void accept_on();
     void on_accepted(UniqueFd fd, const Endpoint& peer);
@@ -71,10 +72,10 @@ private:
     std::vector<std::unique_ptr<Connection>> connections_;
     std::vector<std::unique_ptr<Connection>> ended_;    // destroyed after their calls have returned
     Alarm sweep_;
-    Alarm accept_again_;                      // after a lack of descriptors or memory
-    Alarm silent_again_;                      // while connections wait for their first frame
-    std::unique_ptr<TlsContext> tls_;         // nullptr: not encrypted
-    std::optional<Handshakes> handshakes_;    // if encrypted
+    Alarm accept_again_;                                 // after a lack of descriptors or memory
+    Alarm silent_again_;                                 // while connections wait for their first frame
+    std::unique_ptr<CertificateReader> certificates_;    // nullptr: not encrypted
+    std::optional<Handshakes> handshakes_;               // if encrypted
     bool is_ending_ = false;
     std::string last_fault_;    // of a failed handshake
     Refusals no_place_, no_channel_, no_memory_, failed_handshakes_;

@@ -36,23 +36,6 @@ std::string openssl_fault() {
     return reason ? reason : "TLS failed";
 }
 
-/// Times and inodes of the files: differ after a change of a file or its mode, or if a file was replaced.
-using Times = std::array<std::pair<timespec, ino_t>, 3>;
-Times times_of(const LinkCertificates& files) {
-    Times times{};
-    for (std::size_t i = 0; const std::string* file : {&files.certificate, &files.key, &files.ca}) {
-        struct stat facts {};
-        if (!file->empty() && ::stat(file->c_str(), &facts) == 0) times[i] = {facts.st_ctim, facts.st_ino};
-        ++i;
-    }
-    return times;
-}
-bool are_equal(const Times& one, const Times& two) {
-    return std::equal(one.begin(), one.end(), two.begin(), [](const auto& a, const auto& b) {
-        return a.first.tv_sec == b.first.tv_sec && a.first.tv_nsec == b.first.tv_nsec && a.second == b.second;
-    });
-}
-
 // OpenSSL does not report why a file can't be read, and would block on a pipe.
 std::string fault_of_file(const std::string& file, bool is_secret) {
     struct stat facts {};
@@ -212,50 +195,38 @@ ssize_t TlsConnection::write(std::span<const iovec> pieces) {
     return size;
 }
 
-struct TlsContext::Loaded {
+struct TlsContext::Parts {
     Context context{nullptr, ::SSL_CTX_free};
-    Times times{};
 };
 
-TlsContext::TlsContext(LinkCertificates files, Side side) : files_{std::move(files)}, side_{side} {}
+TlsContext::TlsContext(std::unique_ptr<Parts> parts, Side side) : parts_{std::move(parts)}, side_{side} {}
 TlsContext::~TlsContext() = default;
 
-// While the files are being replaced, the previous ones stay in use.
-Opened<void> TlsContext::refresh() {
-    const Times times = times_of(files_);
-    if (loaded_ && are_equal(loaded_->times, times)) {
-        fault_.clear();
-        return {};
-    }
-    const auto fresh = std::make_shared<Loaded>();
-    fresh->times = times;
-    fresh->context.reset(::SSL_CTX_new(side_ == Side::listens ? ::TLS_server_method() : ::TLS_client_method()));
-    SSL_CTX* const context = fresh->context.get();
+Opened<std::shared_ptr<const TlsContext>> TlsContext::read(const LinkCertificates& files, Side side) {
+    auto parts = std::make_unique<Parts>();
+    parts->context.reset(::SSL_CTX_new(side == Side::listens ? ::TLS_server_method() : ::TLS_client_method()));
+    SSL_CTX* const context = parts->context.get();
     if (!context) return NotOpened{LinkError{"tls", openssl_fault(), {}}};
     ::SSL_CTX_set_min_proto_version(context, TLS1_2_VERSION);
     ::SSL_CTX_set_options(context, SSL_OP_NO_COMPRESSION | SSL_OP_NO_RENEGOTIATION | SSL_OP_IGNORE_UNEXPECTED_EOF);
     ::SSL_CTX_set_mode(context, SSL_MODE_ENABLE_PARTIAL_WRITE | SSL_MODE_ACCEPT_MOVING_WRITE_BUFFER | SSL_MODE_RELEASE_BUFFERS);
     ::SSL_CTX_set_default_passwd_cb(context, [](char*, int, int, void*) { return 0; });    // never prompts at the terminal
-    const int verify = files_.verify == TlsVerify::peer ? SSL_VERIFY_PEER | SSL_VERIFY_FAIL_IF_NO_PEER_CERT : SSL_VERIFY_NONE;
+    const int verify = files.verify == TlsVerify::peer ? SSL_VERIFY_PEER | SSL_VERIFY_FAIL_IF_NO_PEER_CERT : SSL_VERIFY_NONE;
     ::SSL_CTX_set_verify(context, verify, nullptr);
-    ::ERR_clear_error();
-    std::string fault = fault_of_files(files_);
-    if (fault.empty()) fault = use_files(context, files_);
-    fault_ = fault;
-    if (!fault.empty() && loaded_) return {};
-    if (!fault.empty()) return NotOpened{LinkError{"tls", fault, {}}};
     const std::array<unsigned char, 8> id{'a', 'n', 'o', 'g', 'a', 't', 'e', 0};
     ::SSL_CTX_set_session_id_context(context, id.data(), id.size());
-    loaded_ = fresh;
-    return {};
+    ::ERR_clear_error();
+    std::string fault = fault_of_files(files);
+    if (fault.empty()) fault = use_files(context, files);
+    if (!fault.empty()) return NotOpened{LinkError{"tls", fault, {}}};
+    return std::shared_ptr<const TlsContext>{new TlsContext{std::move(parts), side}};
 }
 
-Opened<std::shared_ptr<TlsConnection>> TlsContext::connection(int fd, const std::string& host) {
-    if (auto read = refresh(); !read) return NotOpened{std::move(read.error())};
+Opened<std::shared_ptr<TlsConnection>> TlsContext::connection(int fd, const std::string& host) const {
     auto parts = std::make_unique<TlsConnection::Parts>();
     parts->socket = UniqueFd{::fcntl(fd, F_DUPFD_CLOEXEC, 0)};
     if (!parts->socket) return NotOpened{LinkError{error_text(errno)}};
-    parts->ssl.reset(::SSL_new(loaded_->context.get()));
+    parts->ssl.reset(::SSL_new(parts_->context.get()));
     SSL* const ssl = parts->ssl.get();
     if (!ssl || ::SSL_set_fd(ssl, parts->socket.get()) != 1) return NotOpened{LinkError{"tls", openssl_fault(), {}}};
     ::BIO_set_callback_ex(::SSL_get_rbio(ssl), note_read);
@@ -276,9 +247,8 @@ Opened<std::shared_ptr<TlsConnection>> TlsContext::connection(int fd, const std:
     return std::make_shared<TlsConnection>(std::move(parts));
 }
 
-std::optional<std::int64_t> TlsContext::days_left() {
-    (void)refresh();    // see fault()
-    const X509* const certificate = loaded_ ? ::SSL_CTX_get0_certificate(loaded_->context.get()) : nullptr;
+std::optional<std::int64_t> TlsContext::days_left() const {
+    const X509* const certificate = ::SSL_CTX_get0_certificate(parts_->context.get());
     int days = 0, seconds = 0;
     if (!certificate || ::ASN1_TIME_diff(&days, &seconds, nullptr, ::X509_get0_notAfter(certificate)) != 1) return std::nullopt;
     return days < 0 || seconds < 0 ? days - 1 : days;

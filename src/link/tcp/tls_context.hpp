@@ -45,32 +45,27 @@ private:
     std::unique_ptr<Parts> parts_;
 };
 
-/// The certificates of a link. Changed files are read again; open connections are not affected.
+/// The certificates of a link, as they were in its files. Never changes.
 class TlsContext {
 public:
     enum class Side { connects, listens };
-    TlsContext(LinkCertificates files, Side side);
+    /// Reads the files. May block on the disk, and takes a tenth of a second for the certificates of many authorities.
+    static Opened<std::shared_ptr<const TlsContext>> read(const LinkCertificates& files, Side side);
     ~TlsContext();
     TlsContext(const TlsContext&) = delete;
     TlsContext& operator=(const TlsContext&) = delete;
 
     /// For a connected socket. `host`: the name or address that the other end's certificate must have; empty: any.
-    Opened<std::shared_ptr<TlsConnection>> connection(int fd, const std::string& host);
-    /// Reads the files if they have changed. Files that can't be used do not replace the previous ones: see fault().
-    Opened<void> refresh();
-    /// The reason why the current files can't be used; empty: they can.
-    const std::string& fault() const noexcept { return fault_; }
-    /// Full days until our certificate expires, negative if it has expired; std::nullopt: no certificate. Reads the files as
-    /// refresh() does, so that the status shows new files even if no peer connects.
-    std::optional<std::int64_t> days_left();
+    Opened<std::shared_ptr<TlsConnection>> connection(int fd, const std::string& host) const;
+    /// Full days until our certificate expires, negative if it has expired; std::nullopt: no certificate.
+    std::optional<std::int64_t> days_left() const;
 
 private:
-    struct Loaded;
+    struct Parts;
+    TlsContext(std::unique_ptr<Parts> parts, Side side);
 
-    LinkCertificates files_;
+    std::unique_ptr<Parts> parts_;
     Side side_;
-    std::shared_ptr<const Loaded> loaded_;
-    std::string fault_;
 };
 
 }    // namespace anogate
