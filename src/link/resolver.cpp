@@ -31,7 +31,9 @@ Answer ask_system(const std::string& host) {
         sockaddr_storage storage{};
         std::copy_n(reinterpret_cast<const char*>(one->ai_addr), std::min<std::size_t>(one->ai_addrlen, sizeof storage),
                     reinterpret_cast<char*>(&storage));
-        answer.addresses.push_back(endpoint_of(storage).address);
+        const IpAddress address = endpoint_of(storage).address;
+        if (std::find(answer.addresses.begin(), answer.addresses.end(), address) == answer.addresses.end())
+            answer.addresses.push_back(address);
     }
     return answer;
 }

@@ -1,11 +1,14 @@
 // Peers configured by name: found, moved, unknown, slow to resolve; in the tunnel too.
 #include <daemon/command_line.hpp>
+#include <link/resolver.hpp>
+#include <link/tcp/connector.hpp>
 #include <link/udp/udp_link.hpp>
 #include <support/link_host.hpp>
 #include <support/namespaces.hpp>
 #include <support/own_hosts.hpp>
 #include <support/process.hpp>
 #include <support/running_gateway.hpp>
+#include <support/tcp_peer.hpp>
 #include <support/temp_dir.hpp>
 #include <support/udp_peer.hpp>
 #include <support/vendor_frames.hpp>
@@ -14,6 +17,8 @@
 
 #include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
 namespace host_names_tests {
 namespace {
@@ -50,6 +55,31 @@ TEST_F(HostNames, an_unknown_name_is_reported_and_looked_up_again) {
     EXPECT_EQ(daemon.link("fc").at("error").get<std::string>().rfind("later.test: ", 0), 0u) << daemon.link("fc");
     hosts->set("127.0.0.2 later.test\n");
     EXPECT_TRUE(daemon.until_up("fc"));
+}
+
+// A wire to which no address belongs: nothing is answered, and nothing is refused. Each address is in the file twice.
+TEST_F(HostNames, all_addresses_of_a_name_are_tried_even_if_many_do_not_answer) {
+    const Namespace here, there;
+    here.join(there, "w0", "10.0.0.1/24", "10.0.0.2/24");
+    here.ip("link set w0 arp off");
+    const Inside inside{here};
+    std::string all;
+    for (int n = 0; n < 90; ++n) all += "10.0.0." + std::to_string(100 + n / 2) + " many.test\n";
+    hosts->set(all);
+    BareLinkHost host;
+    std::vector<anogate::IpAddress> order;
+    host.context().names.resolve("many.test", host.now(), this, [&](const auto& addresses, const auto&) { order = addresses; });
+    ASSERT_TRUE(host.until([&] { return !order.empty(); }));
+    ASSERT_EQ(order.size(), 45u);
+    here.ip("address add " + order.back().text() + "/32 dev lo");
+    const TcpListener last{order.back().text() + ":7001"};
+    std::string ended;
+    anogate::Connector connector{host.context(), *anogate::HostSpec::parse("many.test:7001"), 1min,
+                                 [&](anogate::UniqueFd, const anogate::Endpoint& peer) { ended = peer.text(); },
+                                 [&](const anogate::LinkError& why) { ended = why.text; }};
+    connector.start();
+    ASSERT_TRUE(host.until([&] { return !ended.empty(); }));
+    EXPECT_EQ(ended, last.address());
 }
 
 TEST_F(HostNames, a_check_knows_a_name_of_this_gateway) {

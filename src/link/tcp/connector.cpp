@@ -6,6 +6,7 @@
 
 #include <fcntl.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <utility>
 
@@ -22,9 +23,10 @@ LinkError connect_failed(const std::string& peer, int error) {
 }    // namespace
 
 struct Connector::Try {
-    Try(asio::io_context& io, const Endpoint& to) : descriptor{io}, endpoint{to} {}
-    Descriptor descriptor;
+    Try(asio::io_context& io, const Endpoint& to, ano::TimePoint now) : descriptor{io}, endpoint{to}, since{now} {}
+    Descriptor descriptor;    // closed: it has failed
     Endpoint endpoint;
+    ano::TimePoint since;
 };
 
 Connector::Connector(const LinkContext& context, HostSpec to, ano::Duration dead_after, Connected connected, Failed failed)
@@ -33,10 +35,7 @@ Connector::Connector(const LinkContext& context, HostSpec to, ano::Duration dead
       dead_after_{dead_after},
       connected_{std::move(connected)},
       failed_{std::move(failed)},
-      next_{context.alarms, [this] { try_next(); }},
-      deadline_{context.alarms, [this] {
-                    fail({"no_answer", "no answer from " + tries_.back()->endpoint.text(), {}});
-                }} {}
+      next_{context.alarms, [this] { go_on(); }} {}
 
 Connector::~Connector() { stop(); }
 
@@ -52,35 +51,46 @@ void Connector::start() {
 void Connector::stop() noexcept {
     context_.names.cancel(this);
     next_.cancel();
-    deadline_.cancel();
     for (const auto& one : tries_) one->descriptor.close();
     endpoints_.clear();
-    open_ = 0;
+    ended_ = 0;
 }
 
 void Connector::resolved(const std::vector<IpAddress>& addresses, const std::string& fault) {
     if (addresses.empty()) return fail(no_such_host(to_.host, fault));
     tries_.clear();
     for (const IpAddress& address : addresses) endpoints_.push_back({address, to_.port});
-    deadline_.set(context_.host.now() + patience);
-    try_next();
+    go_on();
 }
 
-void Connector::try_next() {
-    while (tries_.size() < endpoints_.size()) {
-        tries_.push_back(std::make_unique<Try>(context_.io, endpoints_[tries_.size()]));
-        Try& attempt = *tries_.back();
-        auto begun = begin_connect(attempt.endpoint, dead_after_);
-        if (!begun) {
-            why_ = std::move(begun.error());
-            continue;
-        }
-        ++open_;
-        attempt.descriptor.open(std::move(*begun));
-        attempt.descriptor.when_writable([this, &attempt] { has_ended(attempt); });
-        return next_.set(context_.host.now() + between_tries);
+void Connector::go_on() {
+    end_unanswered();
+    while (tries_.size() < endpoints_.size())
+        if (begin_next()) return next_.set(context_.host.now() + between_tries);
+    if (ended_ == tries_.size()) return fail(std::move(why_));
+    const auto oldest = std::find_if(tries_.begin(), tries_.end(), [](const auto& one) { return one->descriptor.is_open(); });
+    next_.set((*oldest)->since + patience);
+}
+
+// False: it has failed at once.
+bool Connector::begin_next() {
+    tries_.push_back(std::make_unique<Try>(context_.io, endpoints_[tries_.size()], context_.host.now()));
+    Try& attempt = *tries_.back();
+    auto begun = begin_connect(attempt.endpoint, dead_after_);
+    if (!begun) {
+        end(attempt, std::move(begun.error()));
+        return false;
     }
-    if (open_ == 0) fail(std::move(why_));
+    attempt.descriptor.open(std::move(*begun));
+    attempt.descriptor.when_writable([this, &attempt] { has_ended(attempt); });
+    return true;
+}
+
+void Connector::end_unanswered() {
+    const ano::TimePoint now = context_.host.now();
+    for (const auto& one : tries_)
+        if (one->descriptor.is_open() && now - one->since >= patience)
+            end(*one, {"no_answer", "no answer from " + one->endpoint.text(), {}});
 }
 
 // The descriptor can't be moved within its own callback: the connection uses a duplicate.
@@ -99,11 +109,14 @@ void Connector::has_ended(Try& attempt) {
         stop();
         return connected_(std::move(fd), peer);
     }
+    end(attempt, connect_failed(attempt.endpoint.text(), why));
+    go_on();
+}
+
+void Connector::end(Try& attempt, LinkError why) {
     attempt.descriptor.close();
-    --open_;
-    why_ = connect_failed(attempt.endpoint.text(), why);
-    next_.cancel();
-    try_next();
+    ++ended_;
+    why_ = std::move(why);
 }
 
 void Connector::fail(LinkError why) {

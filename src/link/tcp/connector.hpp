@@ -1,4 +1,4 @@
-// Connects to a host by TCP: resolves its name, and tries its addresses one after the other.
+// Connects to a host by TCP: resolves its name, and tries all its addresses.
 #pragma once
 #include <gateway/host_spec.hpp>
 #include <link/link_context.hpp>
@@ -17,8 +17,9 @@ namespace anogate {
 ///          stop()                                               // neither is called
 class Connector {
 public:
-    /// The next address is tried after this time, or at once if the previous one fails. The first connection is used.
+    /// The next address is tried after this time, or at once if a previous one fails. The first connection is used.
     static constexpr ano::Duration between_tries = std::chrono::milliseconds{250};
+    /// A try that is not answered ends after this time.
     static constexpr ano::Duration patience = std::chrono::seconds{10};
 
     using Connected = std::function<void(UniqueFd fd, const Endpoint& peer)>;
@@ -35,8 +36,11 @@ private:
     struct Try;
 
     void resolved(const std::vector<IpAddress>& addresses, const std::string& fault);
-    void try_next();
+    void go_on();
+    bool begin_next();
+    void end_unanswered();
     void has_ended(Try& attempt);
+    void end(Try& attempt, LinkError why);
     void fail(LinkError why);
 
     LinkContext context_;
@@ -45,10 +49,10 @@ private:
     Connected connected_;
     Failed failed_;
     std::vector<Endpoint> endpoints_;
-    std::vector<std::unique_ptr<Try>> tries_;    // those that were begun
-    std::size_t open_ = 0;                       // tries that have not ended
+    std::vector<std::unique_ptr<Try>> tries_;    // those that were begun, in the order of endpoints_
+    std::size_t ended_ = 0;                      // number of tries that have failed
     LinkError why_;                              // of the last failed try
-    Alarm next_, deadline_;
+    Alarm next_;
 };
 
 }    // namespace anogate
