@@ -183,6 +183,25 @@ TEST(AnoctlStatus, exits_with_3_while_degraded_if_the_option_is_set) {
     expect(3, "degraded: 1 of 2 links, 1 conflict");
 }
 
+TEST(AnoctlStatus, is_degraded_by_an_expired_certificate) {
+    const TempDir dir;
+    Shell openssl{"cd " + dir.path().string() +
+                  " && openssl req -new -newkey ec -pkeyopt ec_paramgen_curve:P-256 -nodes -subj /CN=vehicle -keyout key.pem "
+                  "-out request.pem && openssl x509 -req -in request.pem -signkey key.pem -days 0 -out old.pem"};
+    ASSERT_EQ(openssl.wait(), 0) << openssl.output();
+    const std::string socket = dir / "control.sock";
+    Daemon daemon{
+        ANOGATED,
+        socket,
+        {"tls-listen:127.0.0.1:0,name=radio,verify=none,certificate=" + (dir / "old.pem") + ",key=" + (dir / "key.pem")}};
+    ASSERT_TRUE(daemon.until([](const json& status) { return status.at("links").at(0).value("certificate_days", 0) < 0; }))
+        << daemon.status();
+    const Result status = anoctl({"status", "--exit-code", "--control", socket});
+    EXPECT_EQ(status.exit, 3);
+    EXPECT_EQ(status.printed.find("degraded: 1 expired certificate\n"), 0u) << status.printed;
+    EXPECT_NE(status.printed.find("the certificate of this link has expired"), std::string::npos) << status.printed;
+}
+
 TEST(AnoctlStatus, names_a_vehicle_that_was_lost_in_flight) {
     const TempDir dir;
     PtyDevice one{dir / "one"};

@@ -108,14 +108,16 @@ struct Verdict {
 // Hints that need no action: a host may only receive, or connect later.
 bool is_calm(const std::string& hint) { return hint == "no_host_takes" || hint == "no_peer_yet" || hint == "recording_ended"; }
 
-// Degraded: vehicles lost while unlocked, links that are down or have a hint, conflicts of addresses, recordings that fail.
+// Degraded: vehicles lost while unlocked, links that are down, have an expired certificate or a hint, conflicts of addresses,
+// recordings that fail.
 Verdict verdict_of(const Json& status) {
-    std::size_t links = 0, down = 0, hints = text_at(at(status, "http"), "hint").empty() ? 0 : 1;
+    std::size_t links = 0, down = 0, expired = 0, hints = text_at(at(status, "http"), "hint").empty() ? 0 : 1;
     for (const Json& link : at(status, "links")) {
         if (text_at(link, "error_id") == "disabled") continue;
         ++links;
         const bool is_up = text_at(link, "state") == "up";
         down += is_up ? 0u : 1u;
+        expired += number_at(link, "certificate_days") < 0 ? 1u : 0u;
         const std::string hint = text_at(link, "hint_id");
         hints += is_up && !hint.empty() && !is_calm(hint) ? 1u : 0u;
     }
@@ -123,6 +125,7 @@ Verdict verdict_of(const Json& status) {
     for (const Json& lost : at(status, "lost"))
         if (may_fly(lost)) what += (what.empty() ? "" : ", ") + text_at(lost, "address") + " lost, " + lost_text(lost);
     if (down > 0) what += (what.empty() ? "" : ", ") + std::to_string(down) + " of " + plural(links, "link");
+    if (expired > 0) what += (what.empty() ? "" : ", ") + plural(expired, "expired certificate");
     if (const std::size_t conflicts = at(status, "conflicts").size(); conflicts > 0)
         what += (what.empty() ? "" : ", ") + plural(conflicts, "conflict");
     else if (hints > 0) what += (what.empty() ? "" : ", ") + plural(hints, "hint");
@@ -173,8 +176,9 @@ Run add_status(Options& options) {
     GatewayOptions::add(options, self->gateway);
     options.push_back(
         {"--exit-code", &self->exit_code, "",
-         "Exit with status 3 if the gateway is degraded: a vehicle that was not locked is lost, a link is down or has a "
-         "hint that asks for an action, two devices use the same address, or a recording fails"});
+         "Exit with status 3 if the gateway is degraded: a vehicle that was not locked is lost, a link is down, has "
+         "an expired certificate, or has a hint that asks for an action, two devices use the same address, or a recording "
+         "fails"});
     options.push_back({"--json", &self->json, "", "Print the response of the gateway as one JSON object"});
     return [self](Streams& streams) { return self->run(streams); };
 }
