@@ -133,8 +133,8 @@ std::string Tls::advice() const {
     const int bits = key ? ::EVP_PKEY_get_bits(key) : 0;
     if (!key || ::EVP_PKEY_get_base_id(key) != EVP_PKEY_RSA || bits <= usual_bits) return {};
     return "an RSA key of " + std::to_string(bits) +
-           " bits slows down every new connection: create a certificate with a fast key (ECDSA) with anoctl web "
-           "--make-certificate";
+           " bits slows down every new connection: create a certificate with a fast key (ECDSA) with anoctl "
+           "certificate";
 }
 
 std::unique_ptr<Stream> Tls::stream(Socket socket, ConnectionInfo connection_info) const {

@@ -72,10 +72,11 @@ std::span<const Subcommand> subcommands() noexcept {
          "  anoctl convert flight.mcap flight.csv --id euler\n"},
         {"replay", "Replay a recording on a link", add_replay, "Recordings", "  anoctl replay flight.mcap pty:/tmp/fc\n"},
         {"plot-udp", "Send the decoded frames to PlotJuggler", add_plot_udp, "Frames", ""},
-        {"web", "Show how to reach the gateway from a browser or another program; create a certificate for it", add_web,
-         "Gateway", ""},
-        {"certificate", "Create certificates for tls links: an authority, and one for each computer", add_certificate, "Gateway",
-         "  sudo anoctl certificate                  this computer\n  sudo anoctl certificate vehicle2        another one\n"},
+        {"web", "Show how to reach the gateway from a browser or another program", add_web, "Gateway", ""},
+        {"certificate", "Create certificates for tls links and the page: an authority, and one for each computer",
+         add_certificate, "Gateway",
+         "  sudo anoctl certificate                  this computer\n  sudo anoctl certificate vehicle2        another one\n  "
+         "sudo anoctl certificate vehicle2 --renew\n"},
     }};
     return all;
 }
@@ -153,7 +154,8 @@ void mark_negative_numbers(std::vector<const char*>& words, std::vector<std::str
         if (is_negative_number(word)) word = kept.emplace_back(negative_mark + std::string{word}).c_str();
 }
 
-/// Moves --json and --control PATH behind the subcommand, and turns "help decode" into "decode --help".
+/// Moves --json and --control PATH behind the subcommand, and turns "help decode" into "decode --help", and
+/// "web --make-certificate", the former name, into "certificate".
 std::vector<const char*> as_meant(int argc, const char* const* argv) {
     std::vector<const char*> words{argv, argv + argc};
     if (argc > 1 && std::string_view{argv[1]} == "help") {
@@ -170,6 +172,9 @@ std::vector<const char*> as_meant(int argc, const char* const* argv) {
         ++command;
     }
     if (command != words.end()) std::rotate(first, command, command + 1);
+    if (first != words.end() && std::string_view{*first} == "web" &&
+        std::erase(words, std::string_view{"--make-certificate"}) > 0)
+        *first = "certificate";
     return words;
 }
 
@@ -275,6 +280,7 @@ int run(int argc, const char* const* given, Streams& streams) {
     std::vector<std::string> kept;
     mark_negative_numbers(words, kept);
     const char* const* argv = words.data();
+    argc = static_cast<int>(words.size());
     CLI::App app{"Command-line tool for ANO V8 frames and the anogate gateway", "anoctl"};
     app.set_version_flag("-V,--version", "anoctl " ANOGATE_VERSION);
     app.require_subcommand(1);

@@ -157,7 +157,6 @@ _anoctl() {
         'plot-udp --control') _anoctl_files; return ;;
         'plot-udp --encoding') _anoctl_words 'utf8 gbk'; return ;;
         'plot-udp --config') _anoctl_files; return ;;
-        'web --into') :; return ;;
         'web --control') _anoctl_files; return ;;
         'certificate --into') :; return ;;
     esac
@@ -192,8 +191,8 @@ _anoctl() {
         'convert') options='--id --message-encoding --force --json --encoding --value-type-7 --config -h --help'; operands='_anoctl_files' ;;
         'replay') options='--commands --rate --json -h --help'; operands='_anoctl_files' ;;
         'plot-udp') options='--id --from --to --link --direction --control --encoding --config -h --help'; operands='_anoctl_links' ;;
-        'web') options='--open --qr --pair --view --make-certificate --into --control --json -h --help'; operands=':' ;;
-        'certificate') options='--into -h --help'; operands=':' ;;
+        'web') options='--open --qr --pair --view --control --json -h --help'; operands=':' ;;
+        'certificate') options='--into --renew --json -h --help'; operands=':' ;;
     esac
     if [[ $cur == -* ]]; then _anoctl_words "$options"; else eval "$operands"; fi
 }

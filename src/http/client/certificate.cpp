@@ -15,6 +15,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <cstdio>
 #include <memory>
 
@@ -94,51 +95,95 @@ Expected<void> write_new(const std::string& path, BIO& text, mode_t mode) {
     return Unexpected{error_text(path, error)};
 }
 
-/// Makes a key and a certificate, calls `finish` to complete and sign the certificate, and writes both.
-template <class Finish>
-Expected<void> make_pair(const std::string& subject, long days, const CertificateFiles& files, Finish finish) {
-    const Key pair{EVP_EC_gen("P-256")};
-    const Certificate made{X509_new()};
-    const Text key_text{BIO_new(BIO_s_mem())}, certificate_text{BIO_new(BIO_s_mem())};
-    const bool done = pair && made && key_text && certificate_text && fill(*made, *pair, subject, days) && finish(*made, *pair) &&
-                      PEM_write_bio_PKCS8PrivateKey(key_text.get(), pair.get(), nullptr, nullptr, 0, nullptr, nullptr) == 1 &&
-                      PEM_write_bio_X509(certificate_text.get(), made.get()) == 1;
-    if (!done) return openssl_fault();
-    if (auto written = write_new(files.key, *key_text, S_IRUSR | S_IWUSR); !written) return written;
-    auto written = write_new(files.certificate, *certificate_text, S_IRUSR | S_IWUSR | S_IRGRP | S_IROTH);
+struct Pair {
+    Text key, certificate;
+};
+
+Expected<void> write_pair(const Pair& pair, const CertificateFiles& files) {
+    if (auto written = write_new(files.key, *pair.key, S_IRUSR | S_IWUSR); !written) return written;
+    auto written = write_new(files.certificate, *pair.certificate, S_IRUSR | S_IWUSR | S_IRGRP | S_IROTH);
     if (!written) ::unlink(files.key.c_str());
     return written;
+}
+
+// The owner stays unchanged without the permission to set it: then the previous owner is this user.
+Expected<void> keep_owner(const std::string& previous, const std::string& key) {
+    struct stat facts {};
+    if (::lstat(previous.c_str(), &facts) != 0)
+        return errno == ENOENT ? Expected<void>{} : Unexpected{error_text(previous, errno)};
+    if (!S_ISREG(facts.st_mode)) return Unexpected{previous + ": is not a file"};
+    const UniqueFd fd{::open(key.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW)};
+    if (fd && ::fchown(fd.get(), facts.st_uid, facts.st_gid) == 0) ::fchmod(fd.get(), facts.st_mode & (S_IRWXU | S_IRWXG));
+    return {};
+}
+
+// Who reads the files between the two replacements sees a key of another certificate, and has to read them again.
+Expected<void> replace_pair(const Pair& pair, const CertificateFiles& files) {
+    const CertificateFiles fresh{files.certificate + ".new", files.key + ".new"};
+    for (const std::string& file : {fresh.certificate, fresh.key}) ::unlink(file.c_str());
+    if (auto written = write_pair(pair, fresh); !written) return written;
+    Expected<void> replaced = keep_owner(files.key, fresh.key);
+    if (replaced && ::rename(fresh.key.c_str(), files.key.c_str()) != 0) replaced = Unexpected{error_text(files.key, errno)};
+    if (replaced && ::rename(fresh.certificate.c_str(), files.certificate.c_str()) != 0)
+        replaced = Unexpected{error_text(files.certificate, errno)};
+    if (!replaced)
+        for (const std::string& file : {fresh.certificate, fresh.key}) ::unlink(file.c_str());
+    return replaced;
+}
+
+/// Makes a key and a certificate, calls `finish` to complete and sign the certificate, and returns both as PEM.
+template <class Finish>
+Expected<Pair> make_pair(const std::string& subject, long days, Finish finish) {
+    const Key pair{EVP_EC_gen("P-256")};
+    const Certificate made{X509_new()};
+    Pair texts{Text{BIO_new(BIO_s_mem())}, Text{BIO_new(BIO_s_mem())}};
+    const bool done = pair && made && texts.key && texts.certificate && fill(*made, *pair, subject, days) &&
+                      finish(*made, *pair) &&
+                      PEM_write_bio_PKCS8PrivateKey(texts.key.get(), pair.get(), nullptr, nullptr, 0, nullptr, nullptr) == 1 &&
+                      PEM_write_bio_X509(texts.certificate.get(), made.get()) == 1;
+    if (!done) return openssl_fault();
+    return texts;
+}
+
+Expected<void> write(const Expected<Pair>& pair, const CertificateFiles& files, Existing existing = Existing::kept) {
+    if (!pair) return Unexpected{pair.error()};
+    return existing == Existing::replaced ? replace_pair(*pair, files) : write_pair(*pair, files);
 }
 
 }    // namespace
 
 Expected<void> make_certificate(const CertificateNames& names, const std::string& certificate, const std::string& key) {
-    return make_pair(subject_of(names), valid_days, {certificate, key}, [&](X509& made, EVP_PKEY& pair) {
-        return add_use(made, names, "serverAuth") && X509_sign(&made, &pair, EVP_sha256()) > 0;
+    const auto pair = make_pair(subject_of(names), valid_days, [&](X509& made, EVP_PKEY& own_key) {
+        return add_use(made, names, "serverAuth") && X509_sign(&made, &own_key, EVP_sha256()) > 0;
     });
+    return write(pair, {certificate, key});
 }
 
 Expected<void> make_authority(const std::string& name, const CertificateFiles& files) {
-    return make_pair(name, authority_days, files, [](X509& made, EVP_PKEY& pair) {
+    const auto pair = make_pair(name, authority_days, [](X509& made, EVP_PKEY& own_key) {
         return add_extension(made, NID_basic_constraints, "critical,CA:TRUE,pathlen:0") &&
-               add_extension(made, NID_key_usage, "critical,keyCertSign,cRLSign") && X509_sign(&made, &pair, EVP_sha256()) > 0;
+               add_extension(made, NID_key_usage, "critical,keyCertSign,cRLSign") && X509_sign(&made, &own_key, EVP_sha256()) > 0;
     });
+    return write(pair, files);
 }
 
 Expected<void> make_signed_certificate(const CertificateNames& names, const CertificateFiles& files,
-                                       const CertificateFiles& authority) {
+                                       const CertificateFiles& authority, Existing existing) {
     const File certificate{::fopen(authority.certificate.c_str(), "re")};
     if (!certificate) return Unexpected{error_text(authority.certificate, errno)};
     const File key{::fopen(authority.key.c_str(), "re")};
-    if (!key) return Unexpected{error_text(authority.key, errno)};
+    if (!key)
+        return Unexpected{error_text(authority.key, errno) +
+                          "; run this on the computer that has this key of the authority, as a user who may read it"};
     const Certificate issuer{PEM_read_X509(certificate.get(), nullptr, nullptr, nullptr)};
     const Key its_key{PEM_read_PrivateKey(key.get(), nullptr, nullptr, nullptr)};
     if (!issuer || !its_key || X509_check_private_key(issuer.get(), its_key.get()) != 1)
         return Unexpected{authority.certificate + " and " + authority.key + " are not a certificate and its key"};
-    return make_pair(subject_of(names), valid_days, files, [&](X509& made, EVP_PKEY&) {
+    const auto pair = make_pair(subject_of(names), valid_days, [&](X509& made, EVP_PKEY&) {
         return X509_set_issuer_name(&made, X509_get_subject_name(issuer.get())) == 1 &&
                add_use(made, names, "serverAuth,clientAuth") && X509_sign(&made, its_key.get(), EVP_sha256()) > 0;
     });
+    return write(pair, files, existing);
 }
 
 Expected<std::string> fingerprint(const std::string& certificate) {

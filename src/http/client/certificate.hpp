@@ -3,6 +3,7 @@
 #pragma once
 #include <sys/expected.hpp>
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -23,9 +24,11 @@ struct CertificateFiles {
 };
 /// Writes a new authority, which signs the certificates of several computers, valid for 20 years. Existing files are never overwritten.
 Expected<void> make_authority(const std::string& name, const CertificateFiles& files);
-/// As make_certificate(), signed by `authority`; also valid for clients.
+enum class Existing : std::uint8_t { kept, replaced };
+/// As make_certificate(), signed by `authority`; also valid for clients. If existing files are replaced, the new key has the owner
+/// and the mode of the previous one.
 Expected<void> make_signed_certificate(const CertificateNames& names, const CertificateFiles& files,
-                                       const CertificateFiles& authority);
+                                       const CertificateFiles& authority, Existing existing = Existing::kept);
 
 /// The SHA-256 of the first certificate in a PEM file, as browsers show it: "AB:CD:…", 32 bytes.
 Expected<std::string> fingerprint(const std::string& certificate);

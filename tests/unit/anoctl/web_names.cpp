@@ -2,6 +2,8 @@
 #include <anoctl/web/web_names.hpp>
 
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <string>
 #include <vector>
 
@@ -60,16 +62,71 @@ TEST(WebNames, include_configured_hosts_and_skip_a_missing_host_name) {
     EXPECT_EQ(urls_of(web_address, {"", {address("10.0.0.2")}}), (Urls{"http://10.0.0.2:80/", "http://vehicle.lan:80/"}));
 }
 
-TEST(Certificate, for_another_computer_says_which_files_to_copy) {
+TEST(WebNames, of_a_host_name_with_a_domain_are_that_name_alone) {
+    EXPECT_EQ(names_of({"gw.local", {}}), std::vector<std::string>{"gw.local"});
+    EXPECT_EQ(names_of({"gw", {}}), (std::vector<std::string>{"gw", "gw.local"}));
+}
+
+struct Certificate : testing::Test {
+    support::AnoctlResult make(std::vector<std::string> words) const {
+        words.insert(words.begin(), {"certificate", "--into", into});
+        return support::anoctl(words);
+    }
+    std::string read(const std::string& file) const {
+        std::ifstream in{into + file};
+        return {std::istreambuf_iterator<char>{in}, {}};
+    }
     const support::TempDir dir;
     const std::string into = std::filesystem::canonical(dir.path()).string() + "/";
-    EXPECT_EQ(support::anoctl({"certificate", "--into", into}).out.find("Copy "), std::string::npos);
-    const auto other = support::anoctl({"certificate", "vehicle2.example", "--into", into});
+};
+
+TEST_F(Certificate, for_another_computer_says_which_files_to_copy_and_prints_its_links) {
+    EXPECT_EQ(make({}).out.find("Copy "), std::string::npos);
+    const auto other = make({"vehicle2.example"});
     EXPECT_EQ(other.exit, 0) << other.err;
-    EXPECT_NE(other.out.find("\nCopy " + into + "vehicle2.example.pem, " + into + "vehicle2.example-key.pem and " + into +
-                             "ca.pem to vehicle2.example, and adapt the paths there.\nLinks:\n"),
-              std::string::npos)
+    const std::string files =
+        "certificate=/etc/anogate/vehicle2.example.pem,key=/etc/anogate/vehicle2.example-key.pem,ca=/etc/anogate/ca.pem\n";
+    EXPECT_EQ(
+        other.out.find("Copy vehicle2.example.pem, vehicle2.example-key.pem and ca.pem from " + into.substr(0, into.size() - 1) +
+                       " to /etc/anogate on vehicle2.example.\nLinks on vehicle2.example:\n    "
+                       "tls-listen:0.0.0.0:12334," +
+                       files + "    tls:"),
+        0u)
         << other.out;
+    EXPECT_NE(other.out.find(":12334," + files, other.out.find("    tls:")), std::string::npos) << other.out;
+}
+
+TEST_F(Certificate, that_exists_is_replaced_on_request_by_one_of_the_same_authority) {
+    ASSERT_EQ(make({"vehicle"}).exit, 0);
+    const std::string authority = read("ca.pem"), first = read("vehicle.pem"), key = read("vehicle-key.pem");
+    std::filesystem::permissions(into + "vehicle-key.pem", std::filesystem::perms{0640});
+    const auto again = make({"vehicle"});
+    EXPECT_EQ(again.exit, 1);
+    EXPECT_EQ(again.err, "anoctl: " + into +
+                             "vehicle.pem already exists; to replace the certificate and its key by new ones, use "
+                             "--renew\n");
+    EXPECT_EQ(read("vehicle.pem"), first);
+    const auto renewed = make({"vehicle", "--renew"});
+    ASSERT_EQ(renewed.exit, 0) << renewed.err;
+    EXPECT_NE(renewed.out.find("Copy both to vehicle"), std::string::npos) << renewed.out;
+    EXPECT_NE(read("vehicle.pem"), first);
+    EXPECT_NE(read("vehicle-key.pem"), key);
+    EXPECT_EQ(read("ca.pem"), authority);
+    EXPECT_EQ(std::filesystem::status(into + "vehicle-key.pem").permissions(), std::filesystem::perms{0640});
+    EXPECT_EQ(std::distance(std::filesystem::directory_iterator{dir.path()}, {}), 4) << "nothing else is left";
+}
+
+TEST_F(Certificate, needs_the_key_of_its_authority) {
+    const auto none = make({"vehicle", "--renew"});
+    EXPECT_EQ(none.exit, 1);
+    EXPECT_EQ(none.err.find("anoctl: authority not found: " + into + "ca.pem; "), 0u) << none.err;
+    ASSERT_EQ(make({"vehicle"}).exit, 0);
+    std::filesystem::remove(into + "ca-key.pem");
+    const auto without = make({"other"});
+    EXPECT_EQ(without.exit, 1);
+    EXPECT_NE(without.err.find("ca-key.pem: No such file or directory; run this on the computer that has this key"),
+              std::string::npos)
+        << without.err;
 }
 
 }    // namespace

@@ -17,10 +17,11 @@
 
 #include <unistd.h>
 
+#include <filesystem>
 #include <memory>
-#include <optional>
 #include <ostream>
 #include <string>
+#include <system_error>
 
 namespace anoctl {
 namespace {
@@ -67,45 +68,23 @@ void print_addresses(const Json& http, const WebAddress& web_address, const Comp
                "computer, --qr on a "
                "phone, --pair with a six-digit code\n";
     if (certificate.empty()) return;
-    out << "encrypted; programs verify it with " << certificate << " (curl --cacert)\n";
+    const std::filesystem::path authority = std::filesystem::path{certificate}.replace_filename("ca.pem");
+    std::error_code ec;
+    out << "encrypted; programs verify it with " << (std::filesystem::exists(authority, ec) ? authority.string() : certificate)
+        << " (curl --cacert)\n";
     if (const auto known_by = anogate::http::fingerprint(certificate)) out << "SHA-256 fingerprint " << *known_by << '\n';
-}
-
-void print_certificate(const MadeCertificate& made, std::ostream& out) {
-    std::vector<std::string> names;
-    for (const std::string& name : made.names) names.push_back(without_controls(name));
-    out << list_text("for ", names) << '\n'
-        << made.certificate << ": self-signed certificate\n"
-        << made.key << ": its key, for " << (made.is_for_service ? "user anogate, which runs the service" : "this user only")
-        << "\nadd this to the configuration, then restart the gateway:\n    \"control\": {\"tls\": "
-        << Json{{"certificate", made.certificate}, {"key", made.key}}.dump() << "}\n"
-        << "SHA-256 fingerprint; compare it with the one in the browser warning:\n    " << made.fingerprint << '\n';
 }
 
 struct Web {
     GatewayOptions gateway;
-    bool json = false, open = false, qr = false, pair = false, view = false, make_certificate = false;
-    std::optional<std::string> into;
+    bool json = false, open = false, qr = false, pair = false, view = false;
 
     int run(Streams& streams) const {
-        if (into && !make_certificate) throw UsageError{"--into requires --make-certificate"};
         if (view && !open && !qr && !pair) throw UsageError{"--view requires --open, --qr or --pair"};
-        return make_certificate ? make(streams) : show(streams);
+        return show(streams);
     }
 
 private:
-    int make(Streams& streams) const {
-        const MadeCertificate made = make_certificate_in(into.value_or(certificate_folder()), this_computer());
-        if (json)
-            streams.out << Json{{"certificate", made.certificate},
-                                {"key", made.key},
-                                {"names", made.names},
-                                {"fingerprint", made.fingerprint}}
-                        << '\n';
-        else print_certificate(made, streams.out);
-        return fine;
-    }
-
     int show(Streams& streams) const {
         const Json status = parse_answer(gateway.ask("GET", "/status"));
         const Json& http = at(status, "http");
@@ -179,25 +158,15 @@ Run add_web(Options& options) {
                        "",
                        "Show a QR code and its link that sign in a phone; valid once, for 5 minutes",
                        false,
-                       {"--open", "--make-certificate"}});
+                       {"--open"}});
     options.push_back(
         {"--pair",
          &self->pair,
          "",
          "Show six digits to type instead of the token, valid once, within 5 minutes; three wrong attempts cancel them",
          false,
-         {"--open", "--qr", "--make-certificate"}});
+         {"--open", "--qr"}});
     options.push_back({"--view", &self->view, "", "With --open, --qr or --pair: sign in with the read-only token"});
-    options.push_back(
-        {"--make-certificate",
-         &self->make_certificate,
-         "",
-         "Create a self-signed TLS certificate with its key, and show what to configure; does not require a running gateway",
-         false,
-         {"--open"}});
-    options.push_back(
-        {"--into", &self->into, "FOLDER",
-         "Output folder for certificate.pem and key.pem (default: /etc/anogate for root if it exists, otherwise this folder)"});
     GatewayOptions::add(options, self->gateway);
     options.push_back({"--json", &self->json, "", "Print one JSON object"});
     return [self](Streams& streams) { return self->run(streams); };

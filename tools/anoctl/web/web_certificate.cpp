@@ -1,7 +1,5 @@
 #include "web_certificate.hpp"
 
-#include <anoctl/anoctl.hpp>
-
 #include <http/client/certificate.hpp>
 #include <link/udp/ip_socket.hpp>
 #include <sys/unique_fd.hpp>
@@ -22,17 +20,6 @@ using anogate::http::CertificateNames;
 
 constexpr char folder_of_the_system[] = "/etc/anogate";
 constexpr char user_of_the_service[] = "anogate";
-constexpr char another_folder[] = "; choose another folder with --into";
-
-void check(const fs::path& folder, const MadeCertificate& made) {
-    std::error_code ec;
-    if (!fs::is_directory(folder, ec)) throw Failure{"folder not found: " + folder.string() + another_folder};
-    for (const std::string& path : {made.certificate, made.key})
-        if (fs::exists(fs::symlink_status(path, ec)))
-            throw Failure{path + " already exists and is not overwritten; move it away, or choose another folder with --into"};
-    if (::access(folder.c_str(), W_OK | X_OK) != 0)
-        throw Failure{"permission denied: cannot write to " + folder.string() + another_folder + ", or use sudo"};
-}
 
 }    // namespace
 
@@ -67,23 +54,6 @@ Computer this_computer() {
 std::string certificate_folder() {
     std::error_code ec;
     return ::geteuid() == 0 && fs::is_directory(folder_of_the_system, ec) ? folder_of_the_system : ".";
-}
-
-MadeCertificate make_certificate_in(const std::string& folder, const Computer& computer) {
-    std::error_code ec;
-    fs::path whole = fs::absolute(folder, ec).lexically_normal();
-    if (!whole.has_filename() && whole.has_relative_path()) whole = whole.parent_path();    // removes a trailing slash
-    MadeCertificate made{whole / "certificate.pem", whole / "key.pem", {}, {}, false};
-    check(whole, made);
-    const CertificateNames names = names_for(computer);
-    if (const auto done = anogate::http::make_certificate(names, made.certificate, made.key); !done) throw Failure{done.error()};
-    const auto known_by = anogate::http::fingerprint(made.certificate);
-    if (!known_by) throw Failure{known_by.error()};
-    made.fingerprint = *known_by;
-    made.names = names.hosts;
-    made.names.insert(made.names.end(), names.addresses.begin(), names.addresses.end());
-    made.is_for_service = set_service_owner(made.key);
-    return made;
 }
 
 }    // namespace anoctl

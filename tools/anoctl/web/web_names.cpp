@@ -18,6 +18,7 @@ std::string host_of(const IpAddress& address) { return address.v6 ? "[" + addres
 
 std::vector<std::string> names_of(const Computer& computer) {
     if (computer.name.empty()) return {};
+    if (computer.name.find('.') != std::string::npos) return {computer.name};
     return {computer.name, computer.name + ".local"};
 }
 

@@ -19,7 +19,7 @@ struct WebAddress : anogate::Endpoint {
     std::vector<std::string> hosts{};    // configured names
 };
 
-/// "vehicle", "vehicle.local".
+/// "vehicle", "vehicle.local"; of a name with a domain, "vehicle.lan", that name alone.
 std::vector<std::string> names_of(const Computer& computer);
 
 /// Addresses that work in browsers of other computers: neither loopback nor link-local.
