@@ -418,6 +418,15 @@ TEST_F(Tls, connects_to_a_listening_socat) {
         << air->link("t") << socat.output();    // the echo of the hello
 }
 
+TEST_F(Tls, devices_with_v7_are_translated) {
+    listen(ca() + ",protocol=v7,v7_device=0xDD,v7_params=lx");
+    air.emplace(loop, std::vector<std::string>{
+                          "sim:lx,name=lx",
+                          to("localhost", pair("vehicle") + ca() + ",protocol=v7,v7_role=host,v7_device=0xDD,v7_params=lx")});
+    EXPECT_TRUE(ground->until([&] { return ground->count("l", "frames_in") > 10 && !ground->route("0xDD").is_null(); }))
+        << ground->link("l") << air->link("t");
+}
+
 TEST_F(Tls, days_until_the_certificate_expires_are_counted) {
     using anogate::TlsContext;
     const auto none = TlsContext::read({}, TlsContext::Side::connects);

@@ -1,8 +1,19 @@
+#include <config/values.hpp>
 #include <link/tcp/tcp_keys.hpp>
 
 #include <string>
 
 namespace anogate {
+
+void check_tcp_address(const EndpointSpec& endpoint, LinkFaults& faults) {
+    const IpAddress& address = endpoint.address;
+    const std::string text = in_quotes(endpoint.text());
+    if (address.is_multicast() || is_broadcast(address, {}))
+        faults.error("address", text + " is a multicast or broadcast address: TCP needs the address of one host; use a UDP link");
+    else if (address.v6 && address.is_link_local() && endpoint.interface.empty())
+        faults.error("address", text + " is a link-local address: add the interface, [" + address.text() +
+                                    "%eth0]:" + std::to_string(endpoint.port));
+}
 
 void check_pair(const LinkCertificates& files, LinkFaults& faults) {
     if (files.certificate.empty() == files.key.empty()) return;

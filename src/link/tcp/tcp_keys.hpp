@@ -17,6 +17,8 @@ inline constexpr std::string_view certificate_help = "PEM file of the certificat
 inline constexpr std::string_view key_help = "PEM file of its private key, not readable by other users";
 inline constexpr std::string_view ca_help = "PEM file of the CA certificates to accept (default: those of the system)";
 
+/// An error for a multicast or broadcast address, and for a link-local address without an interface.
+void check_tcp_address(const EndpointSpec& address, LinkFaults& faults);
 /// An error if there is a certificate without a key, or a key without a certificate.
 void check_pair(const LinkCertificates& files, LinkFaults& faults);
 /// The error for a certificate that expires within 14 days or has expired; empty: neither.

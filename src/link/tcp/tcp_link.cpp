@@ -121,8 +121,7 @@ using Tcp = TcpSettings;
 
 constexpr Key<LinkSettings> own_tcp_keys[] = {
     host<own<Tcp>, &Tcp::peer>("address", "HOST:PORT to connect to; a name or an IP address") | needed,
-    duration<own<Tcp>, &Tcp::dead_after>("dead_after", second, day,
-                                         "close a connection when the peer is silent or acknowledges nothing for this time"),
+    duration<own<Tcp>, &Tcp::dead_after>("dead_after", second, day, dead_after_help),
 };
 constexpr auto tcp_keys = with_v7(own_tcp_keys, v7_rows<Tcp>());
 
@@ -131,25 +130,25 @@ void validate_tcp(const LinkSettings& link, LinkFaults& faults) {
     check_v7(link.as<Tcp>().v7, faults);
     const HostSpec& peer = tcp_peer(link);
     const std::string text = peer.text();
-    const IpAddress& address = peer.address;
     if (peer.port == 0) faults.error("address", in_quotes(text) + " has port 0: give the port of the peer, 1 to 65535");
     if (!peer.host.empty()) return;
-    if (address.is_any())
-        faults.error("address",
-                     in_quotes(text) + " is not the address of a peer; to accept connections there, use tcp-listen:" + text);
-    if (address.is_multicast() || is_broadcast(address, {}))
-        faults.error("address", in_quotes(text) +
-                                    " is a multicast or broadcast address: TCP needs the address of one host; use udp:" + text);
-    else if (address.v6 && address.is_link_local() && peer.interface.empty())
-        faults.error("address", in_quotes(text) + " is a link-local address: add the interface, [" + address.text() +
-                                    "%eth0]:" + std::to_string(peer.port));
+    if (peer.address.is_any())
+        faults.error("address", in_quotes(text) + " is not the address of a peer; to accept connections there, use " +
+                                    (link.kind->encrypts ? "tls-listen:" : "tcp-listen:") + text);
+    check_tcp_address(peer, faults);
 }
 
 std::optional<PeerPort> port_of_peer(const LinkSettings& link) { return PeerPort{tcp_peer(link), "address", true}; }
 
+// The device would be received twice, and the gateway at the other end would see a loop.
+std::optional<SharedByTwo> shared_peer(const LinkSettings& a, const LinkSettings& b) {
+    if (tcp_peer(a) != tcp_peer(b)) return std::nullopt;
+    return SharedByTwo{"address", in_quotes(tcp_peer(b).text()) + " is already the peer of "};
+}
+
 Reach reach_of_peer(const LinkSettings& link) { return tcp_peer(link).is_here() ? Reach::here : Reach::network; }
 
-constexpr Key<LinkSettings> tls_keys[] = {
+constexpr Key<LinkSettings> own_tls_keys[] = {
     host<own<Tcp>, &Tcp::peer>("address", "HOST:PORT to connect to; a name or an IP address") | needed,
     duration<own<Tcp>, &Tcp::dead_after>("dead_after", second, day, dead_after_help),
     text<own<Tcp>, &Tcp::tls, &LinkCertificates::certificate>("certificate", 1, max_path, certificate_help) | as("FILE"),
@@ -157,6 +156,7 @@ constexpr Key<LinkSettings> tls_keys[] = {
     text<own<Tcp>, &Tcp::tls, &LinkCertificates::ca>("ca", 1, max_path, ca_help) | as("FILE"),
     choice<own<Tcp>, &Tcp::tls, &LinkCertificates::verify>("verify", "peer|none", "none: the peer's certificate is not checked"),
 };
+constexpr auto tls_keys = with_v7(own_tls_keys, v7_rows<Tcp>());
 
 void validate_tls(const LinkSettings& link, LinkFaults& faults) {
     validate_tcp(link, faults);
@@ -184,6 +184,7 @@ constinit const LinkKind tcp_kind{
     .connects_to = port_of_peer,
     .reach = reach_of_peer,
     .validate = validate_tcp,
+    .shared = shared_peer,
 };
 
 extern const LinkKind tls_kind;    // listed in kinds.cpp
@@ -204,6 +205,7 @@ constinit const LinkKind tls_kind{
     .connects_to = port_of_peer,
     .reach = reach_of_peer,
     .validate = validate_tls,
+    .shared = shared_peer,
 };
 
 }    // namespace anogate

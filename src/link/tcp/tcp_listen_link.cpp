@@ -2,7 +2,7 @@
 #include <config/key_rows.hpp>
 #include <config/link_kind.hpp>
 #include <gateway/peers/host_command.hpp>
-#include <link/check_group.hpp>
+#include <link/check_listener.hpp>
 #include <link/make_link.hpp>
 #include <link/tcp/tcp_keys.hpp>
 #include <link/tcp/tcp_listen_link.hpp>
@@ -430,7 +430,7 @@ constexpr Key<LinkSettings> own_tcp_listen_keys[] = {
 };
 constexpr auto tcp_listen_keys = with_v7(own_tcp_listen_keys, v7_rows<TcpListen>());
 
-constexpr Key<LinkSettings> tls_listen_keys[] = {
+constexpr Key<LinkSettings> own_tls_listen_keys[] = {
     endpoint<own<TcpListen>, &TcpListen::local>("address", "local IP:PORT to listen on") | needed | key_rows::local,
     duration<own<TcpListen>, &TcpListen::dead_after>("dead_after", second, day, dead_after_help),
     integer<own<TcpListen>, &TcpListen::max_peers>("max_peers", 1, max_channels,
@@ -452,6 +452,7 @@ constexpr Key<LinkSettings> tls_listen_keys[] = {
     choice<own<TcpListen>, &TcpListen::tls, &LinkCertificates::verify>("verify", "peer|none",
                                                                        "none: clients need no certificate"),
 };
+constexpr auto tls_listen_keys = with_v7(own_tls_listen_keys, v7_rows<TcpListen>());
 
 void validate_tcp_listener(const LinkSettings& link, LinkFaults& faults) {
     if (link.hello && *link.hello != Duration{})
@@ -459,6 +460,8 @@ void validate_tcp_listener(const LinkSettings& link, LinkFaults& faults) {
                      "'hello' is not possible on tcp-listen, where the device connects; for a device at a known address use "
                      "tcp:HOST:PORT,hello=on");
     const TcpListen& listen = link.as<TcpListen>();
+    if (faults.is_whole()) check_tcp_address(listen.local, faults);
+    check_per_address(listen.max_per_address, listen.max_peers, faults);
     const bool has_certificates = link.kind->encrypts && listen.tls.verify == TlsVerify::peer;
     check_group(link, has_certificates || listen.trusted_any || !listen.trusted.empty(), faults);
     check_v7(listen.v7, faults);

@@ -27,7 +27,7 @@ struct TcpSettings {
     HostSpec peer;
     ano::Duration dead_after = std::chrono::seconds{10};
     LinkCertificates tls;    // of a `tls` link
-    V7LinkSettings v7{};     // not of a `tls` link
+    V7LinkSettings v7{};
     bool operator==(const TcpSettings&) const = default;
 };
 
@@ -41,7 +41,7 @@ struct TcpListenSettings {
     bool trusted_any = false;
     std::vector<Network> trusted;    // networks for which a quarter of the places is reserved
     LinkCertificates tls;            // of a `tls-listen` link
-    V7LinkSettings v7{};             // of every connection; not of a `tls-listen` link
+    V7LinkSettings v7{};             // of every connection
     bool operator==(const TcpListenSettings&) const = default;
 };
 

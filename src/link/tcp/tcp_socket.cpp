@@ -16,6 +16,7 @@ namespace {
 
 constexpr int tcp_send_buffer = 32 * 1024;    // the kernel doubles it
 constexpr int probes = 3;
+constexpr std::chrono::seconds longest_between_probes{32767};    // of Linux; TCP_USER_TIMEOUT may be longer
 
 void set_option(int fd, int level, int option, int value) noexcept { ::setsockopt(fd, level, option, &value, sizeof value); }
 
@@ -48,8 +49,8 @@ LinkError listen_error(const EndpointSpec& local, int error) {
 
 void set_tcp_options(int fd, ano::Duration dead_after) noexcept {
     using namespace std::chrono;
-    const auto idle = std::max<seconds>(seconds{1}, duration_cast<seconds>(dead_after / 2));
-    const auto between = std::max<seconds>(seconds{1}, duration_cast<seconds>(dead_after / 5));
+    const auto idle = std::clamp(duration_cast<seconds>(dead_after / 2), seconds{1}, longest_between_probes);
+    const auto between = std::clamp(duration_cast<seconds>(dead_after / 5), seconds{1}, longest_between_probes);
     set_option(fd, IPPROTO_TCP, TCP_NODELAY, 1);
     set_option(fd, IPPROTO_TCP, TCP_NOTSENT_LOWAT, static_cast<int>(2 * max_not_sent));
     set_option(fd, SOL_SOCKET, SO_SNDBUF, tcp_send_buffer);

@@ -1,7 +1,7 @@
 #include <ano/address.hpp>
 #include <config/link_kind.hpp>
 #include <gateway/peers/far_peer.hpp>
-#include <link/check_group.hpp>
+#include <link/check_listener.hpp>
 #include <link/feed.hpp>
 #include <link/make_link.hpp>
 #include <link/udp/datagram_batch.hpp>
@@ -477,6 +477,7 @@ void validate_listener(const LinkSettings& link, LinkFaults& faults) {
                                     " peers is " + std::to_string(memory / 1'000'000) +
                                     " MB, more than 64 MB: reduce 'queue' or 'max_peers'");
     check_interface(listen.interface, listen.local, faults);
+    check_per_address(listen.max_per_address, listen.max_peers, faults);
     check_group(link, listen.trusted_any || !listen.trusted.empty(), faults);
     check_v7(listen.v7, faults);
 }

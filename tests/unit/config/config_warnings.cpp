@@ -101,6 +101,16 @@ TEST(Config, warns_of_a_listening_link_of_a_group_without_trusted_peers) {
     EXPECT_FALSE(warns("tls-listen:127.0.0.1:1,group=a,certificate=a,key=b,ca=c")) << "its peers have certificates";
 }
 
+TEST(Config, warns_of_more_peers_per_address_than_peers) {
+    for (const std::string kind : {"udp-listen", "tcp-listen"}) {
+        const auto warnings = [&](const std::string& keys) {
+            return lines(parse_config("{\"links\": [\"" + kind + ":127.0.0.1:1," + keys + "\"]}").warnings);
+        };
+        EXPECT_NE(warnings("max_peers=2,max_per_address=3").find("'max_per_address' 3 has no effect"), std::string::npos) << kind;
+        EXPECT_EQ(warnings("max_peers=3,max_per_address=3"), "") << kind;
+    }
+}
+
 TEST(Config, warns_of_settings_without_a_useful_effect) {
     const auto warnings = [](const std::string& json) { return lines(parse_config(json).warnings); };
     EXPECT_EQ(warnings("{}"), "anogated: warning: the configuration has no links, so no frames will be forwarded\n");

@@ -83,6 +83,8 @@ TEST(LinkText, has_the_keys_of_protocol_v7) {
     EXPECT_EQ(link_of("pty:/tmp/fc" + keys).as<PtySettings>().v7, serial);
     EXPECT_EQ(link_of("udp-listen:0.0.0.0:12333" + keys).as<UdpListenSettings>().v7, serial);
     EXPECT_EQ(link_of("tcp-listen:0.0.0.0:12333" + keys).as<TcpListenSettings>().v7, serial);
+    EXPECT_EQ(link_of("tls:192.168.1.2:6670" + keys).as<TcpSettings>().v7, serial);
+    EXPECT_EQ(link_of("tls-listen:0.0.0.0:12333,verify=none,certificate=/c,key=/k" + keys).as<TcpListenSettings>().v7, serial);
     EXPECT_TRUE(serial.is_on());
     const V7Settings v7 = serial.translation();
     EXPECT_EQ(v7.address, 0xDD);
@@ -156,7 +158,7 @@ TEST(LinkText, explains_wrong_keys_of_protocol_v7) {
         EXPECT_EQ(fault("protocol=v7,v7_device=0xDD,v7_down=0x40+" + id),
                   "'v7_down' must not contain " + id + ": a V7 device would take it for a measurement of its own sensor");
     EXPECT_EQ(fault_of("sim:fc,protocol=v7"),
-              "'protocol' is not a key of sim, but of serial, hid, udp-listen, udp, tcp, tcp-listen, pty");
+              "'protocol' is not a key of sim, but of serial, hid, udp-listen, udp, tcp, tcp-listen, tls, tls-listen, pty");
     EXPECT_EQ(
         faults_in(R"({"links": [{"kind": "tcp", "address": "10.0.0.1:5", "protocol": "v7"}]})"),
         "/links/0/v7_device: 'protocol' v7 needs 'v7_device', the id under which hosts see the device: 0xDC, 0xDD, 0xDB, 0xDE, "
@@ -493,10 +495,31 @@ TEST(LinkText, a_tcp_peer_is_a_host_and_a_port) {
     EXPECT_EQ(fault_of("tcp:0.0.0.0:5"),
               "'0.0.0.0:5' is not the address of a peer; to accept connections there, use tcp-listen:0.0.0.0:5");
     for (const char* many : {"224.0.0.1:5", "255.255.255.255:5"})
-        EXPECT_EQ(fault_of(std::string{"tcp:"} + many),
-                  "'" + std::string{many} +
-                      "' is a multicast or broadcast address: TCP needs the address of one host; use udp:" + many);
+        EXPECT_EQ(
+            fault_of(std::string{"tcp:"} + many),
+            "'" + std::string{many} + "' is a multicast or broadcast address: TCP needs the address of one host; use a UDP link");
     EXPECT_EQ(fault_of("tcp:[fe80::1]:5"), "'[fe80::1]:5' is a link-local address: add the interface, [fe80::1%eth0]:5");
+    EXPECT_NE(fault_of("tls:0.0.0.0:5").find("use tls-listen:0.0.0.0:5"), std::string::npos);
+}
+
+TEST(LinkText, a_tcp_listener_has_a_local_address_of_one_host) {
+    for (const std::string kind : {"tcp-listen:", "tls-listen:"}) {
+        const std::string files = kind == "tcp-listen:" ? "" : ",verify=none,certificate=/c,key=/k";
+        for (const char* many : {"224.0.0.1:5", "[ff02::1]:5", "255.255.255.255:5"})
+            EXPECT_NE(fault_of(kind + many + files).find("' is a multicast or broadcast address"), std::string::npos)
+                << kind << many;
+        EXPECT_EQ(fault_of(kind + "[fe80::1]:5" + files),
+                  "'[fe80::1]:5' is a link-local address: add the interface, [fe80::1%eth0]:5");
+    }
+}
+
+TEST(LinkText, two_tcp_links_have_different_peers) {
+    EXPECT_EQ(faults_of({"tcp:10.0.0.1:5,name=a", "tcp:10.0.0.1:5,name=b"}),
+              "LINK 'tcp:10.0.0.1:5,name=b': '10.0.0.1:5' is already the peer of 'a' (LINK 'tcp:10.0.0.1:5,name=a')\n");
+    EXPECT_NE(faults_of({"tls:fc.local:5", "tls:fc.local:5"}), "");
+    for (const char* other : {"tcp:10.0.0.1:6", "tcp:10.0.0.2:5", "tcp:fc.local:5"})
+        EXPECT_EQ(faults_of({"tcp:10.0.0.1:5", other}), "") << other;
+    EXPECT_EQ(faults_of({"tcp:[fe80::1%eth0]:5", "tcp:[fe80::1%wlan0]:5"}), "") << "two paths";
 }
 
 TEST(LinkText, a_number_that_the_resolver_reads_as_an_ip_address_is_not_a_host_name) {

@@ -1,7 +1,11 @@
-// A check for the kinds of links that listen.
+// Checks for the kinds of links that listen.
 #pragma once
 #include <config/link_kind.hpp>
 #include <gateway/settings.hpp>
+
+#include <cstdint>
+#include <optional>
+#include <string>
 
 namespace anogate {
 
@@ -11,6 +15,12 @@ inline void check_group(const LinkSettings& link, bool has_trusted, LinkFaults& 
     faults.warning("group",
                    "without 'trusted', no peer of this link is in the group, and any peer may replace a device that is silent on "
                    "the other links: name the address of the other end in 'trusted'");
+}
+
+inline void check_per_address(std::optional<std::uint16_t> max_per_address, std::uint16_t max_peers, LinkFaults& faults) {
+    if (max_per_address && *max_per_address > max_peers)
+        faults.warning("max_per_address", "'max_per_address' " + std::to_string(*max_per_address) +
+                                              " has no effect: it is more than 'max_peers', " + std::to_string(max_peers));
 }
 
 }    // namespace anogate
