@@ -96,6 +96,8 @@ public:
         report_unreachable(link_of_[index(channel)]);
     }
     bool are_all_down(ChannelSet channels) const noexcept { return (channels - down_).empty(); }
+    /// Whether a channel of another link of its group is connected.
+    bool has_connected_mate(ChannelId channel) const noexcept { return !are_all_down(mates(channel)); }
     /// Frames sent on this link were refused: its group uses another link until a frame is received on this one.
     void report_unreachable(LinkId link) { heard_link_[index(link)] = TimePoint::min(); }
 

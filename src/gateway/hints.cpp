@@ -29,7 +29,14 @@ Hint or_hello(const LinkFigures& link, Hint hint) {
     return hint;
 }
 
+Hint clients_without_frame(std::size_t count) {
+    return {"clients_without_frame",
+            "connected clients that have not sent a complete valid frame yet: " + std::to_string(count),
+            {{"count", static_cast<std::int64_t>(count)}}};
+}
+
 Hint nothing_at_all(const LinkFigures& link) {
+    if (link.channels == 0 && link.without_frame > 0) return clients_without_frame(link.without_frame);
     if (link.listens && link.channels == 0)
         return {"no_peer_yet",
                 link.has_connections ? "no peer is connected" : "waiting for a peer to send its first valid frame"};

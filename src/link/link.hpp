@@ -35,6 +35,8 @@ public:
     /// For a new channel whose peer is not trusted: it is not in the group of its link. `may_replace`: a device that is pinned to
     /// another link of the group, and is silent there, may move to it.
     virtual void leave_group(Channel&, bool) {}
+    /// Whether another link of the group of this channel is connected, and can carry its frames.
+    virtual bool has_connected_mate(const Channel&) const { return false; }
     /// `why` is for the log: what its peer did; may be empty.
     virtual void close_channel(Channel& channel, std::string_view why) = 0;
 
@@ -81,6 +83,7 @@ struct UnassignedTraffic {
     std::uint64_t no_memory = 0;                 // datagrams of unknown senders refused for lack of memory
     std::uint64_t outsiders = 0;                 // datagrams of unknown senders refused because they are outside `allow`
     const ano::FrameParser* parser = nullptr;    // of the data above; nullptr: none
+    std::size_t without_frame = 0;               // connected clients that have sent no complete valid frame yet
     std::uint64_t handshakes = 0;                // recent connections dropped during their handshake in favour of others
 };
 

@@ -188,6 +188,7 @@ LinkReport report_of(const Gateway& gateway, const LinkState& state, TimePoint n
     f.no_memory = unassigned.no_memory;
     f.outsiders = unassigned.outsiders;
     f.handshakes = unassigned.handshakes;
+    f.without_frame = unassigned.without_frame;
     for (const ChannelId id : traffic.channels) {
         const Channel& channel = gateway.channel(id);
         add(f.received, channel.received());

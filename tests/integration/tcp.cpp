@@ -206,6 +206,18 @@ TEST_F(Tcp, max_peers_limits_connections_and_refuses_and_reports_the_next_one) {
     })) << "a sender that waits gets the next free place";
 }
 
+TEST_F(Tcp, clients_that_wait_for_their_first_frame_are_reported) {
+    start({"tcp-listen:127.0.0.1:0,name=full,max_peers=64", "tcp-listen:127.0.0.1:0,name=air"});
+    std::vector<TcpPeer> silent;
+    for (int n = 0; n < 32; ++n) silent.emplace_back(port("full"));
+    ASSERT_TRUE(until_channels("full", 32));
+    TcpPeer waits{port("air")};
+    EXPECT_TRUE(daemon->until([&] { return daemon->link("air").at("hint_id") == "clients_without_frame"; }))
+        << daemon->link("air");
+    EXPECT_EQ(daemon->link("air").at("hint"), "connected clients that have not sent a complete valid frame yet: 1");
+    EXPECT_EQ(daemon->link("air").at("without_frame"), 1);
+}
+
 TEST_F(Tcp, senders_outside_allow_are_refused) {
     start({"tcp-listen:127.0.0.1:0,name=ground,allow=10.1.2.0/24"});
     TcpPeer stranger{port("ground")};
@@ -391,6 +403,62 @@ TEST_F(CutTcp, while_nothing_is_acknowledged_frames_wait_in_the_queue_where_they
         return daemon->count("fc", "frames_out") > written + 3;
     })) << daemon->link("fc");
     EXPECT_TRUE(daemon->counters_add_up());
+}
+
+// These would arrive late, all at once, when the wire works again.
+TEST_F(CutTcp, few_frames_are_in_the_kernel_when_the_wire_is_cut) {
+    ANOGATE_NEEDS_NAMESPACES();
+    here.emplace();
+    there.emplace();
+    join();
+    listen();
+    start({bridge->link("fc"), "udp-listen:127.0.0.1:0,name=ground"});
+    UdpPeer ground;
+    TcpPeer fc;
+    ASSERT_TRUE(accepts(*bridge, fc));
+    const auto stick = [&] {
+        ground.send(port("ground"), frame(0xFE, 0xDC, 0x40, Bytes(20)));
+        daemon->run_for(20ms);
+    };
+    fc.send(vendor::i_am_an_mcu);
+    for (int n = 0; n < 50; ++n) stick();
+    ASSERT_TRUE(daemon->until([&] { return unacknowledged_ms() == 0 && !fc.heard().empty(); }));
+    const auto before = daemon->count("fc", "frames_out");
+    cut();
+    ASSERT_TRUE(daemon->until([&] {
+        stick();
+        return unacknowledged_ms() > 1000;
+    }));
+    const auto late = daemon->count("fc", "frames_out") - before;
+    EXPECT_GT(late, 0u);
+    EXPECT_LE(late, 9u) << "those of 120 ms";
+    RecordProperty("frames", std::to_string(late));
+}
+
+// Nothing can take over, and a connection of its own would last as long.
+TEST_F(CutTcp, the_only_connected_link_of_a_group_is_not_closed_by_a_short_interruption) {
+    ANOGATE_NEEDS_NAMESPACES();
+    here.emplace();
+    there.emplace();
+    join();
+    listen();
+    start({"serial:/dev/absent,name=cable,group=fc", bridge->link("fc") + ",group=fc", "udp-listen:127.0.0.1:0,name=ground"});
+    UdpPeer ground;
+    TcpPeer fc;
+    ASSERT_TRUE(accepts(*bridge, fc));
+    ASSERT_TRUE(daemon->until_up("fc"));
+    fc.send(vendor::i_am_an_mcu);
+    ASSERT_TRUE(daemon->until([&] { return daemon->count("fc", "frames_in") == 1; }));
+    cut();
+    ASSERT_TRUE(daemon->until([&] {
+        ground.send(port("ground"), frame(0xFE, 0xDC, 0x40, Bytes(20)));
+        daemon->run_for(20ms);
+        return unacknowledged_ms() > 1600 || !daemon->up("fc");
+    }));
+    EXPECT_TRUE(daemon->up("fc")) << daemon->link("fc");
+    restore();
+    EXPECT_TRUE(daemon->until([&] { return !fc.heard().empty(); }));
+    EXPECT_TRUE(daemon->up("fc"));
 }
 
 // The commands in the kernel would otherwise arrive after newer ones that the other link has delivered.

@@ -106,7 +106,9 @@ struct Verdict {
 };
 
 // Hints that need no action: a host may only receive, or connect later.
-bool is_calm(const std::string& hint) { return hint == "no_host_takes" || hint == "no_peer_yet" || hint == "recording_ended"; }
+bool is_calm(const std::string& hint) {
+    return hint == "no_host_takes" || hint == "no_peer_yet" || hint == "clients_without_frame" || hint == "recording_ended";
+}
 
 // Degraded: vehicles lost while unlocked, links that are down, have an expired certificate or a hint, conflicts of addresses,
 // recordings that fail.

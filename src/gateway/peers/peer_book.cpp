@@ -225,8 +225,9 @@ bool PeerBook::exceeds_listeners(ChannelId id, TimePoint now) const noexcept {
 }
 
 Duration PeerBook::patience(const Peer& p) const noexcept {
-    const bool may_be_forged = p.once && p.near && !(may_listen(p) && p.endpoint.address.is_loopback());
-    return may_be_forged ? std::min(once_stays, options_.timeout) : options_.timeout;
+    const bool is_checked = p.near || options_.has_connections;
+    const bool leaves_early = p.once && is_checked && !(may_listen(p) && p.endpoint.address.is_loopback());
+    return leaves_early ? std::min(once_stays, options_.timeout) : options_.timeout;
 }
 
 TimePoint PeerBook::max_stay(const Peer& p) const noexcept {

@@ -400,6 +400,7 @@ UnassignedTraffic TcpListenLink::unassigned_traffic() const {
     traffic.received = first_frames_.received();
     traffic.v7_frames = first_frames_.v7_frames();
     traffic.parser = first_frames_.parser();
+    traffic.without_frame = first_frames_.size();
     traffic.no_place = no_place_.count;
     traffic.no_memory = no_memory_.count;
     traffic.outsiders = outsiders_;

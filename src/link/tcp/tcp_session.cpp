@@ -8,20 +8,15 @@
 namespace anogate {
 namespace {
 
-constexpr Duration look_again = std::chrono::milliseconds{50};
+constexpr Duration look_again = std::chrono::milliseconds{20};
 constexpr Duration patience_in_group = std::chrono::seconds{1};
-
-// Frames in the kernel must not be delivered when they are stale, nor after newer frames that another link of the group delivers.
-Duration patience_of(const LinkSettings& link, Duration dead_after) {
-    return std::min(dead_after, link.group.empty() ? std::max(link.age.rest, patience_in_group) : patience_in_group);
-}
 
 }    // namespace
 
 TcpSession::TcpSession(const LinkContext& context, const LinkSettings& link, Duration dead_after)
     : StreamSession{context},
       dead_after_{dead_after},
-      patience_{patience_of(link, dead_after)},
+      max_age_{std::max(link.age.rest, patience_in_group)},
       step_{context.io},
       handshake_ends_{context.alarms,
                       [this] {
@@ -51,7 +46,7 @@ void TcpSession::close() noexcept {
     in_flight_limit_ = {};
     step_.stop(ano::TimePoint::min());
     unacknowledged_ = {};
-    gave_up_ = false;
+    gave_up_after_.reset();
     StreamSession::close();
 }
 
@@ -89,14 +84,20 @@ std::chrono::milliseconds TcpSession::not_acknowledged_for() const {
     return std::chrono::duration_cast<std::chrono::milliseconds>(unacknowledged_.age(now));
 }
 
+// Frames in the kernel must not be delivered when they are stale, nor after newer frames that another link of the group delivers.
+Duration TcpSession::patience() {
+    const bool others_deliver = context_.host.has_connected_mate(channel());
+    return std::min(dead_after_, others_deliver ? patience_in_group : max_age_);
+}
+
 // A connection whose peer does not read is closed by the kernel, after dead_after.
 void TcpSession::give_up_if_silent() {
     if (!is_open() || is_opening() || not_acknowledged() == 0) return;
     const Duration age = not_acknowledged_for();
-    const Duration longest = std::max<Duration>(patience_, 4 * round_trip(fd()).now);
-    if (age < longest) return give_up_.set(context_.host.now() + longest - age);
-    if (waits_for_reader(fd())) return give_up_.set(context_.host.now() + patience_);
-    gave_up_ = true;
+    const Duration longest = std::max<Duration>(patience(), 4 * round_trip(fd()).now);
+    if (age < longest) return give_up_.set(context_.host.now() + std::min(longest - age, patience_in_group));
+    if (waits_for_reader(fd())) return give_up_.set(context_.host.now() + patience());
+    gave_up_after_ = longest;
     abort_connection(fd());
     failed(ETIMEDOUT);
 }
@@ -122,10 +123,8 @@ bool TcpSession::waits_for_acknowledgement() {
     const TimePoint now = context_.host.now();
     const auto measure = [this] { return round_trip(fd()); };
     Duration wait = in_flight_limit_.wait(unacknowledged_.bytes(), now, measure);
-    if (unacknowledged_.is_late(now, measure)) {
-        acknowledges_nothing();
-        wait = look_again;
-    }
+    if (unacknowledged_.is_late(now, measure)) acknowledges_nothing();
+    if (unacknowledged_.may_be_interrupted(now, measure)) wait = look_again;
     if (wait > Duration::zero()) write_on_.set(now + wait);
     else write_on_.cancel();
     return write_on_.is_set();
@@ -146,8 +145,8 @@ ssize_t TcpSession::write_some(std::span<const iovec> pieces) {
     while (count < pieces.size() && (count == 0 || bytes + pieces[count].iov_len <= max_not_sent))
         bytes += pieces[count++].iov_len;
     const ssize_t n = tls_ ? tls_->write(pieces.first(count)) : StreamSession::write_some(pieces.first(count));
-    if (n > 0) unacknowledged_.wrote(static_cast<std::size_t>(n));
-    if (n > 0 && !give_up_.is_set()) give_up_.set(context_.host.now() + patience_);
+    if (n > 0) unacknowledged_.wrote(static_cast<std::size_t>(n), context_.host.now());
+    if (n > 0 && !give_up_.is_set()) give_up_.set(context_.host.now() + std::min(dead_after_, patience_in_group));
     return n;
 }
 

@@ -32,7 +32,7 @@ protected:
     /// should be used.
     virtual void acknowledges_nothing() = 0;
     /// For how long the other end was silent when the connection failed with ETIMEDOUT.
-    Duration silent_for() const noexcept { return gave_up_ ? patience_ : dead_after_; }
+    Duration silent_for() const noexcept { return gave_up_after_.value_or(dead_after_); }
 
     Opening go_on_opening() override;
     ssize_t read_some(std::span<std::uint8_t> room) override;
@@ -53,9 +53,10 @@ private:
     bool begin_step();
     bool waits_for_acknowledgement();
     void give_up_if_silent();
+    Duration patience();
 
-    Duration dead_after_, patience_;    // for acknowledgements
-    bool gave_up_ = false;
+    Duration dead_after_, max_age_;    // max_age_: of frames in the kernel
+    std::optional<Duration> gave_up_after_;
     std::shared_ptr<TlsConnection> tls_;                   // shared with the thread that computes its handshake
     BackgroundTask step_;                                  // of the handshake: takes milliseconds of computing
     std::optional<TlsConnection::Handshake> handshake_;    // result of the last step

@@ -4,6 +4,7 @@ export const unhandled = { try_hello: "（有些设备需要先收到帧才会�
 
 export const hints: Record<string, string> = {
   no_peer_yet: "等待对端：对端发来第一个有效帧后才会登记",
+  clients_without_frame: "{count} 个已连接的客户端尚未发来完整的有效帧",
   ring: "检测到环路：从 {out} 发出的帧又从 {back} 收到",
   unknown_device: "发给 {device} 的命令和写入没有发出：还没有任何链路收到过它的帧，而其他设备可能会执行；请用 --route {device}=链路 指定",
   answers_for_others: "设备 {device} 会执行发给其他地址的帧：请在这条链路上设置 profile=old",
@@ -58,7 +59,7 @@ export const hintsInEnglish: Record<string, string> = {
 };
 
 /** Hints that are not a problem: this page shows the frames of such a link, and a listening link may wait. */
-export const calmHints: ReadonlySet<string> = new Set(["no_host_takes", "no_peer_yet", "recording_ended"]);
+export const calmHints: ReadonlySet<string> = new Set(["no_host_takes", "no_peer_yet", "clients_without_frame", "recording_ended"]);
 
 export const errors: Record<string, string> = {
   absent: "未找到 {device}，正在等待",

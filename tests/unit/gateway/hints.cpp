@@ -325,6 +325,20 @@ TEST(Hint, unknown_senders_and_listening_gateways_are_reported) {
     EXPECT_NE(hint(link).find("a udp: link"), std::string::npos) << "the one that tells most";
 }
 
+TEST(Hint, connected_clients_that_have_sent_no_frame_are_counted) {
+    LinkFigures link;
+    link.up = link.listens = link.has_connections = true;
+    link.up_for = std::chrono::seconds{3};
+    EXPECT_EQ(hint(link), "no peer is connected");
+    link.without_frame = 1;
+    EXPECT_EQ(hint(link), "connected clients that have not sent a complete valid frame yet: 1");
+    link.without_frame = 2;
+    EXPECT_EQ(hint(link), "connected clients that have not sent a complete valid frame yet: 2");
+    EXPECT_EQ(find_hint(link).id, "clients_without_frame");
+    link.channels = 1;
+    EXPECT_EQ(hint(link), "");
+}
+
 TEST(Hint, refused_senders_are_reported_as_outside_allow_only_if_that_was_the_cause) {
     LinkFigures link;
     link.up = link.listens = true;

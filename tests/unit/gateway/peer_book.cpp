@@ -481,6 +481,15 @@ TEST(PeerBook, an_overdue_connection_is_replaced_only_when_its_place_is_needed) 
     EXPECT_EQ(book.place_for(at("192.168.1.41:5000"), start + 10s).evicted, a) << "it sent a single frame";
 }
 
+TEST(PeerBook, a_connection_from_any_network_without_a_second_frame_leaves_its_place_after_10_s) {
+    Book book{of_connections(1)};
+    book.add(a, at("10.9.0.1:5000"), false, start);
+    EXPECT_FALSE(book.place_for(phone, start + 10s - 1ns).free);
+    EXPECT_EQ(book.place_for(phone, start + 10s).evicted, a);
+    book.heard(a, device, start + 9s);
+    EXPECT_FALSE(book.place_for(laptop, start + 30s).free);
+}
+
 TEST(PeerBook, an_ipv6_network_of_strangers_counts_as_one_address_of_connections) {
     const auto host_at = [](int n) { return at(("[fd00::" + std::to_string(n) + "]:5000").c_str()); };
     for (const bool has_connections : {true, false}) {

@@ -70,6 +70,17 @@ TEST_F(GroupedRouter, a_member_that_was_disconnected_for_a_moment_is_chosen_once
     expect(net.route(0, 0xFE, 0xDC), channels({2}), Via::learned);
 }
 
+TEST_F(GroupedRouter, a_member_knows_whether_another_one_is_connected) {
+    EXPECT_TRUE(net->has_connected_mate(channel(1)));
+    net->went_down(channel(2));
+    EXPECT_FALSE(net->has_connected_mate(channel(1)));
+    EXPECT_TRUE(net->has_connected_mate(channel(2)));
+    EXPECT_FALSE(net->has_connected_mate(channel(0))) << "it has no group";
+    net->came_up(channel(2));
+    net->leave_group(channel(2), false);
+    EXPECT_FALSE(net->has_connected_mate(channel(1)));
+}
+
 TEST_F(GroupedRouter, a_member_without_a_channel_is_not_reported_as_missing_while_another_has_one) {
     net->close(channel(1));
     net->pin(40, 40, link(1));

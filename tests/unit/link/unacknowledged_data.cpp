@@ -15,10 +15,14 @@ struct Unacknowledged : testing::Test {
     void acknowledge(std::size_t left) { data.see(left, now); }
     void write(std::size_t bytes) {
         data.see(data.bytes(), now);
-        data.wrote(bytes);
+        data.wrote(bytes, now);
     }
     bool is_late(ano::Duration trip) {
         return data.is_late(now, [trip] { return InFlightLimit::RoundTrip{trip, trip}; });
+    }
+
+    bool may_be_interrupted(ano::Duration trip) {
+        return data.may_be_interrupted(now, [trip] { return InFlightLimit::RoundTrip{trip, trip}; });
     }
 
     UnacknowledgedData data;
@@ -59,6 +63,29 @@ TEST_F(Unacknowledged, is_late_when_it_waits_much_longer_than_the_path_needs) {
     EXPECT_TRUE(is_late(600ms));
     acknowledge(50);
     EXPECT_FALSE(is_late(1ms));
+}
+
+TEST_F(Unacknowledged, two_writes_may_be_interrupted_earlier_because_the_second_is_acknowledged_at_once) {
+    write(100);
+    now += 250ms;
+    EXPECT_FALSE(may_be_interrupted(1ms)) << "one write may be acknowledged that late";
+    write(100);
+    now += 29ms;
+    EXPECT_FALSE(may_be_interrupted(1ms));
+    acknowledge(0);
+    write(100);
+    now += 20ms;
+    write(100);
+    now += 100ms;
+    EXPECT_FALSE(may_be_interrupted(1ms));
+    now += 10ms;
+    EXPECT_TRUE(may_be_interrupted(1ms));
+    EXPECT_FALSE(is_late(1ms));
+    EXPECT_FALSE(may_be_interrupted(10ms)) << "a longer path";
+    acknowledge(100);
+    EXPECT_FALSE(may_be_interrupted(1ms)) << "something was acknowledged";
+    acknowledge(0);
+    EXPECT_FALSE(may_be_interrupted(1ms));
 }
 
 }    // namespace
