@@ -71,12 +71,8 @@ struct NewConnections::State : std::enable_shared_from_this<State> {
     }
 
     bool evict_one(bool for_priority) {
-        auto leaves = anogate::next_evicted(facts(), for_priority);
-        while (leaves && is_silent(all[*leaves]) &&
-               has_unread(all[*leaves]->socket.native_handle())) {    // the loop has not noticed yet
-            all[*leaves]->facts.stage = WaitingConnection::Stage::its_turn;
-            leaves = anogate::next_evicted(facts(), for_priority);
-        }
+        const auto leaves = connection_to_close(all, for_priority, WaitingConnection::Stage::its_turn,
+                                                [](One& one) { return has_unread(one.socket.native_handle()); });
         if (!leaves) return false;
         close_by_reset(all[*leaves]->socket);
         all.erase(all.begin() + static_cast<std::ptrdiff_t>(*leaves));
@@ -106,18 +102,11 @@ struct NewConnections::State : std::enable_shared_from_this<State> {
         });
     }
 
-    std::vector<WaitingConnection> facts() const {
-        std::vector<WaitingConnection> facts;
-        facts.reserve(all.size());
-        for (const auto& one : all) facts.push_back(one->facts);
-        return facts;
-    }
-
     void let_in() try {
         if (looks_again) return;
         const ano::TimePoint until = ano::Clock::now() + longest_admitting;
         do {
-            const auto next = next_turn(facts(), places);
+            const auto next = next_turn(facts_of(all), places);
             if (!next) return;
             if (!has_place()) return look_again_in(before_next_look);
             if (is_closed) return;

@@ -82,7 +82,8 @@ bool Handshakes::add(UniqueFd fd, const Endpoint& peer, bool is_trusted) {
 
 bool Handshakes::make_place(bool is_trusted) {
     while (all_.size() >= places || descriptors_left() < descriptors_of_links() + descriptors_of_one) {
-        const auto leaves = connection_to_close(is_trusted);
+        const auto leaves = connection_to_close(all_, is_trusted, Stage::begun,
+                                                [](const One& one) { return has_unread(one.socket.fd()); });
         if (!leaves) return false;
         remove(*all_[*leaves]);
         evicted_.add(context_.host.now());
@@ -90,24 +91,8 @@ bool Handshakes::make_place(bool is_trusted) {
     return true;
 }
 
-std::optional<std::size_t> Handshakes::connection_to_close(bool for_trusted) {
-    auto leaves = next_evicted(facts(), for_trusted);
-    while (leaves && all_[*leaves]->facts.stage == Stage::silent && !is_silent(*all_[*leaves])) {
-        all_[*leaves]->facts.stage = Stage::begun;
-        leaves = next_evicted(facts(), for_trusted);
-    }
-    return leaves;
-}
-
 // Even if bytes of the peer were received, the loop may not have read them yet.
 bool Handshakes::is_silent(const One& one) { return one.facts.stage == Stage::silent && !has_unread(one.socket.fd()); }
-
-std::vector<WaitingConnection> Handshakes::facts() const {
-    std::vector<WaitingConnection> facts;
-    facts.reserve(all_.size());
-    for (const auto& one : all_) facts.push_back(one->facts);
-    return facts;
-}
 
 // Handshakes that are being computed are checked when the computation ends.
 void Handshakes::end_those(Duration age, bool silent_alone, const std::string& why) {
@@ -145,7 +130,7 @@ void Handshakes::heard(One& one) try {
 
 void Handshakes::run_turns() try {
     while (at_work_ < at_a_time) {
-        const auto next = next_turn(facts(), places);
+        const auto next = next_turn(facts_of(all_), places);
         if (!next) return;
         begin(*all_[*next]);
     }

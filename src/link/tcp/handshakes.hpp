@@ -13,7 +13,6 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -43,7 +42,6 @@ private:
     using Stage = WaitingConnection::Stage;
 
     bool make_place(bool is_trusted);
-    std::optional<std::size_t> connection_to_close(bool for_trusted);
     static bool is_silent(const One& one);
     void end_those(Duration age, bool silent_alone, const std::string& why);
     void heard(One& one);
@@ -54,7 +52,6 @@ private:
     void finish(One& one);
     void fail(One& one, const std::string& why);
     void remove(One& one);
-    std::vector<WaitingConnection> facts() const;
 
     LinkContext context_;
     const CertificateReader& certificates_;

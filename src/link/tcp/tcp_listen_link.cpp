@@ -41,8 +41,8 @@ PeerBook::Options book_options(const TcpListenSettings& tcp) {
     return options;
 }
 
-FirstFrames::Options first_frame_options(const LinkSettings& link) {
-    FirstFrames::Options options;
+ClientsWithoutFrame::Options options_without_frame(const LinkSettings& link) {
+    ClientsWithoutFrame::Options options;
     options.parser.max_data = link.max_data;
     if (link.frame_gap) options.parser.frame_gap = *link.frame_gap;
     options.v7 = link.as<TcpListenSettings>().v7.is_on();
@@ -109,8 +109,8 @@ TcpListenLink::TcpListenLink(LinkId id, LinkSettings settings, const LinkContext
       listener_{context.io},
       reconnect_{context, *this, [this] { return open(); }},
       book_{book_options(this->settings().as<TcpListenSettings>())},
-      first_frames_{context, first_frame_options(this->settings()),
-                    [this](int fd, const FirstFrames::Sender& sender) { return admit(fd, sender); }},
+      clients_without_frame_{context, options_without_frame(this->settings()),
+                             [this](int fd, const ClientsWithoutFrame::Sender& sender) { return admit(fd, sender); }},
       sweep_{context.alarms, [this] { ended_.clear(); }},
       accept_again_{context.alarms, [this] { accept_on(); }},
       silent_again_{context.alarms, [this] { admit_silent(); }} {
@@ -187,7 +187,8 @@ void TcpListenLink::await_frame(UniqueFd fd, const Endpoint& peer, std::shared_p
     const TimePoint now = context_.host.now();
     if (!fd) return no_memory_.add(now);
     if (has_room_for_silent(peer, now) && admit(fd.get(), {peer, encrypted})) return;
-    if (!first_frames_.add(std::move(fd), peer, std::move(encrypted), is_trusted(peer.address))) return no_place_.add(now);
+    if (!clients_without_frame_.add(std::move(fd), peer, std::move(encrypted), is_trusted(peer.address)))
+        return no_place_.add(now);
     if (!silent_again_.is_set()) silent_again_.set(now + between_silent);
 } catch (const std::bad_alloc&) {
     no_memory_.add(context_.host.now());
@@ -203,8 +204,8 @@ bool TcpListenLink::has_room_for_silent(const Endpoint& peer, TimePoint now) {
 
 void TcpListenLink::admit_silent() {
     const TimePoint now = context_.host.now();
-    first_frames_.admit_silent([&](const Endpoint& peer) { return has_room_for_silent(peer, now); });
-    if (first_frames_.size() > 0) silent_again_.set(now + between_silent);
+    clients_without_frame_.admit_silent([&](const Endpoint& peer) { return has_room_for_silent(peer, now); });
+    if (clients_without_frame_.size() > 0) silent_again_.set(now + between_silent);
 }
 
 bool TcpListenLink::is_trusted(const IpAddress& address) const {
@@ -212,12 +213,12 @@ bool TcpListenLink::is_trusted(const IpAddress& address) const {
     return tcp.trusted_any || contains(tcp.trusted, address);
 }
 
-PeerBook::Rank TcpListenLink::rank_of(const FirstFrames::Sender& sender) const {
+PeerBook::Rank TcpListenLink::rank_of(const ClientsWithoutFrame::Sender& sender) const {
     if (is_trusted(sender.peer.address)) return PeerBook::Rank::trusted;
     return sender.commands ? PeerBook::Rank::commands : PeerBook::Rank::ordinary;
 }
 
-bool TcpListenLink::admit(int fd, const FirstFrames::Sender& sender) try {
+bool TcpListenLink::admit(int fd, const ClientsWithoutFrame::Sender& sender) try {
     const TimePoint now = context_.host.now();
     const PeerBook::Rank rank = rank_of(sender);
     if (!make_place(sender, rank, now)) return no_place_.add(now), false;
@@ -237,7 +238,7 @@ bool TcpListenLink::admit(int fd, const FirstFrames::Sender& sender) try {
 }
 
 // Everything that may fail comes before the connection is in use.
-void TcpListenLink::begin(int fd, const FirstFrames::Sender& sender, Channel& channel) {
+void TcpListenLink::begin(int fd, const ClientsWithoutFrame::Sender& sender, Channel& channel) {
     const TcpListenSettings& tcp = settings().as<TcpListenSettings>();
     const TimePoint now = context_.host.now();
     StoredLink received;
@@ -256,7 +257,7 @@ void TcpListenLink::begin(int fd, const FirstFrames::Sender& sender, Channel& ch
     connections_.back()->open(std::move(own), channel);
 }
 
-bool TcpListenLink::make_place(const FirstFrames::Sender& sender, PeerBook::Rank rank, TimePoint now) {
+bool TcpListenLink::make_place(const ClientsWithoutFrame::Sender& sender, PeerBook::Rank rank, TimePoint now) {
     const PeerBook::Place place = book_.place_for(sender.peer, now, rank);
     if (place.free && !place.evicted) return true;
     Connection* leaves = former_of(sender, rank, now);
@@ -266,7 +267,8 @@ bool TcpListenLink::make_place(const FirstFrames::Sender& sender, PeerBook::Rank
 }
 
 // A device that restarted, or its bridge: the kernel notices only later that its old connection is lost.
-TcpListenLink::Connection* TcpListenLink::former_of(const FirstFrames::Sender& sender, PeerBook::Rank rank, TimePoint now) {
+TcpListenLink::Connection* TcpListenLink::former_of(const ClientsWithoutFrame::Sender& sender, PeerBook::Rank rank,
+                                                    TimePoint now) {
     if (!sender.source || ano::address::is_host(*sender.source)) return nullptr;    // hosts share one address
     for (const auto& one : connections_) {
         const bool is_same = one->address == sender.peer.address && one->has_heard(*sender.source);
@@ -331,7 +333,7 @@ void TcpListenLink::stop_reading() {
     reconnect_.stop();
     if (certificates_) certificates_->stop();
     if (handshakes_) handshakes_->close();
-    first_frames_.stop_reading();
+    clients_without_frame_.stop_reading();
     for (const auto& one : connections_) one->pause_reading();
 }
 
@@ -343,7 +345,7 @@ void TcpListenLink::stop() {
     sweep_.cancel();
     listener_.close();
     if (handshakes_) handshakes_->close();
-    first_frames_.close();
+    clients_without_frame_.close();
     connections_.clear();
     ended_.clear();
     book_.clear();
@@ -365,7 +367,7 @@ LinkFacts TcpListenLink::facts() const {
     LinkFacts facts{{"address", listener_.is_open() ? local_.text() : written.text()},
                     {"port", std::int64_t{listener_.is_open() ? local_.port : written.port}}};
     if (const auto days = certificates_ ? certificates_->days_left() : std::nullopt) facts.push_back({"certificate_days", *days});
-    if (listener_.is_open()) facts.push_back({"without_frame", static_cast<std::int64_t>(first_frames_.size())});
+    if (listener_.is_open()) facts.push_back({"without_frame", static_cast<std::int64_t>(clients_without_frame_.size())});
     if (settings().as<TcpListenSettings>().v7.is_on()) {
         V7Counters all = v7_of_ended_;
         for (const auto& one : connections_) add(all, one->translation()->counters());
@@ -397,10 +399,10 @@ LinkError TcpListenLink::trouble() const {
 
 UnassignedTraffic TcpListenLink::unassigned_traffic() const {
     UnassignedTraffic traffic;
-    traffic.received = first_frames_.received();
-    traffic.v7_frames = first_frames_.v7_frames();
-    traffic.parser = first_frames_.parser();
-    traffic.without_frame = first_frames_.size();
+    traffic.received = clients_without_frame_.received();
+    traffic.v7_frames = clients_without_frame_.v7_frames();
+    traffic.parser = clients_without_frame_.parser();
+    traffic.without_frame = clients_without_frame_.size();
     traffic.no_place = no_place_.count;
     traffic.no_memory = no_memory_.count;
     traffic.outsiders = outsiders_;

@@ -7,7 +7,7 @@
 #include <link/reconnect.hpp>
 #include <link/refusals.hpp>
 #include <link/tcp/certificate_reader.hpp>
-#include <link/tcp/first_frames.hpp>
+#include <link/tcp/clients_without_frame.hpp>
 #include <link/tcp/handshakes.hpp>
 #include <link/tcp/tcp_settings.hpp>
 #include <sys/descriptor.hpp>
@@ -50,12 +50,12 @@ private:
     void admit_silent();
     bool has_room_for_silent(const Endpoint& peer, TimePoint now);
     /// Opens a channel for the connection. False: there is no place.
-    bool admit(int fd, const FirstFrames::Sender& sender);
+    bool admit(int fd, const ClientsWithoutFrame::Sender& sender);
     bool is_trusted(const IpAddress& address) const;
-    PeerBook::Rank rank_of(const FirstFrames::Sender& sender) const;
-    bool make_place(const FirstFrames::Sender& sender, PeerBook::Rank rank, TimePoint now);
-    Connection* former_of(const FirstFrames::Sender& sender, PeerBook::Rank rank, TimePoint now);
-    void begin(int fd, const FirstFrames::Sender& sender, Channel& channel);
+    PeerBook::Rank rank_of(const ClientsWithoutFrame::Sender& sender) const;
+    bool make_place(const ClientsWithoutFrame::Sender& sender, PeerBook::Rank rank, TimePoint now);
+    Connection* former_of(const ClientsWithoutFrame::Sender& sender, PeerBook::Rank rank, TimePoint now);
+    void begin(int fd, const ClientsWithoutFrame::Sender& sender, Channel& channel);
     Connection* connection_of(ChannelId channel) const;
     bool is_allowed(const IpAddress& address, TimePoint now);
     bool has_rival(const Connection& from, std::uint8_t source);
@@ -66,7 +66,7 @@ private:
     Descriptor listener_;
     Reconnect reconnect_;
     PeerBook book_;
-    FirstFrames first_frames_;
+    ClientsWithoutFrame clients_without_frame_;
     OwnNetworks networks_;
     Endpoint local_;
     std::vector<std::unique_ptr<Connection>> connections_;

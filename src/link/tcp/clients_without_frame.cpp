@@ -1,6 +1,6 @@
 #include <ano/v7.hpp>
 #include <gateway/peers/host_command.hpp>
-#include <link/tcp/first_frames.hpp>
+#include <link/tcp/clients_without_frame.hpp>
 #include <link/tcp/handshakes.hpp>
 #include <sys/descriptor.hpp>
 #include <sys/descriptors_left.hpp>
@@ -32,8 +32,8 @@ void add_unused(ReceiveCounters& sum, const Counters& counters, std::size_t pass
 
 }    // namespace
 
-struct FirstFrames::One {
-    One(FirstFrames& all, const Endpoint& from)
+struct ClientsWithoutFrame::One {
+    One(ClientsWithoutFrame& all, const Endpoint& from)
         : peer{from}, socket{all.context_.io}, again{all.context_.alarms, [&all, this] { all.expire(*this); }} {
         if (all.options_.v7) v7.emplace(ano::v7::FrameParser::Options{std::min(all.options_.parser.max_data, ano::v7::max_len)});
         else v8.emplace(all.options_.parser);
@@ -60,12 +60,12 @@ struct FirstFrames::One {
     TimePoint next_try{};
 };
 
-FirstFrames::FirstFrames(const LinkContext& context, const Options& options, Admit admit)
+ClientsWithoutFrame::ClientsWithoutFrame(const LinkContext& context, const Options& options, Admit admit)
     : context_{context}, options_{options}, admit_{std::move(admit)}, sweep_{context.alarms, [this] { ended_.clear(); }} {}
 
-FirstFrames::~FirstFrames() = default;
+ClientsWithoutFrame::~ClientsWithoutFrame() = default;
 
-bool FirstFrames::add(UniqueFd fd, const Endpoint& peer, std::shared_ptr<TlsConnection> tls, bool is_trusted) {
+bool ClientsWithoutFrame::add(UniqueFd fd, const Endpoint& peer, std::shared_ptr<TlsConnection> tls, bool is_trusted) {
     if (!make_place(is_trusted)) return false;
     const TimePoint now = context_.host.now();
     auto one = std::make_unique<One>(*this, peer);
@@ -79,10 +79,11 @@ bool FirstFrames::add(UniqueFd fd, const Endpoint& peer, std::shared_ptr<TlsConn
     return true;
 }
 
-bool FirstFrames::make_place(bool is_trusted) {
+bool ClientsWithoutFrame::make_place(bool is_trusted) {
     const auto reserve = [&] { return all_.size() > always_waiting ? descriptors_of_links() : descriptors_of_links() / 2; };
     while (all_.size() >= places || descriptors_left() < reserve()) {
-        const auto leaves = connection_to_close(is_trusted);
+        const auto leaves = connection_to_close(all_, is_trusted, Stage::begun,
+                                                [](const One& one) { return has_unread(one.socket.fd()); });
         if (!leaves) return false;
         remove(*all_[*leaves]);
         evicted_.add(context_.host.now());
@@ -90,24 +91,7 @@ bool FirstFrames::make_place(bool is_trusted) {
     return true;
 }
 
-// Even if bytes of a peer were received, the loop may not have read them yet.
-std::optional<std::size_t> FirstFrames::connection_to_close(bool for_trusted) {
-    auto leaves = next_evicted(facts(), for_trusted);
-    while (leaves && all_[*leaves]->facts.stage == Stage::silent && has_unread(all_[*leaves]->socket.fd())) {
-        all_[*leaves]->facts.stage = Stage::begun;
-        leaves = next_evicted(facts(), for_trusted);
-    }
-    return leaves;
-}
-
-std::vector<WaitingConnection> FirstFrames::facts() const {
-    std::vector<WaitingConnection> facts;
-    facts.reserve(all_.size());
-    for (const auto& one : all_) facts.push_back(one->facts);
-    return facts;
-}
-
-void FirstFrames::read(One& one) {
+void ClientsWithoutFrame::read(One& one) {
     bool may_have_more = true;
     for (int i = 0; i < most_reads && may_have_more; ++i) {
         const auto room = one.prepare();
@@ -123,13 +107,13 @@ void FirstFrames::read(One& one) {
     else if (const auto due = one.deadline()) one.again.set(*due);
 }
 
-void FirstFrames::expire(One& one) {
+void ClientsWithoutFrame::expire(One& one) {
     if (one.expire(context_.host.now()) && pass_on(one)) return;
     read(one);
 }
 
 // True: the connection does not wait any more.
-bool FirstFrames::pass_on(One& one) {
+bool ClientsWithoutFrame::pass_on(One& one) {
     if (one.v7) {
         while (const auto frame = one.v7->next())
             if (try_to_admit(one, {.peer = one.peer, .tls = one.tls}, frame->bytes(), one.v7->rest())) return true;
@@ -142,7 +126,8 @@ bool FirstFrames::pass_on(One& one) {
     return false;
 }
 
-bool FirstFrames::try_to_admit(One& one, Sender sender, std::span<const std::uint8_t> frame, std::span<const std::uint8_t> rest) {
+bool ClientsWithoutFrame::try_to_admit(One& one, Sender sender, std::span<const std::uint8_t> frame,
+                                       std::span<const std::uint8_t> rest) {
     const TimePoint now = context_.host.now();
     ++gone_.denied_in;
     if (now < one.next_try) return false;
@@ -161,7 +146,7 @@ bool FirstFrames::try_to_admit(One& one, Sender sender, std::span<const std::uin
     return true;
 }
 
-void FirstFrames::admit_silent(const std::function<bool(const Endpoint& peer)>& has_room) {
+void ClientsWithoutFrame::admit_silent(const std::function<bool(const Endpoint& peer)>& has_room) {
     for (std::size_t i = 0; i < all_.size();) {
         One& one = *all_[i];
         const bool is_silent = one.facts.stage == Stage::silent;
@@ -170,7 +155,7 @@ void FirstFrames::admit_silent(const std::function<bool(const Endpoint& peer)>& 
     }
 }
 
-void FirstFrames::remove(One& one) {
+void ClientsWithoutFrame::remove(One& one) {
     const auto at = std::find_if(all_.begin(), all_.end(), [&](const auto& other) { return other.get() == &one; });
     one.add_to(gone_);
     if (one.v8) gone_v7_ += one.v8->counters().v7_frames;
@@ -182,33 +167,33 @@ void FirstFrames::remove(One& one) {
     sweep_.set(context_.host.now());
 }
 
-void FirstFrames::stop_reading() {
+void ClientsWithoutFrame::stop_reading() {
     for (const auto& one : all_) {
         one->again.cancel();
         one->socket.stop_reading();
     }
 }
 
-void FirstFrames::close() {
+void ClientsWithoutFrame::close() {
     while (!all_.empty()) remove(*all_.back());
     ended_.clear();
     sweep_.cancel();
 }
 
-ReceiveCounters FirstFrames::received() const {
+ReceiveCounters ClientsWithoutFrame::received() const {
     ReceiveCounters sum = gone_;
     for (const auto& one : all_) one->add_to(sum);
     return sum;
 }
 
-std::uint64_t FirstFrames::v7_frames() const {
+std::uint64_t ClientsWithoutFrame::v7_frames() const {
     std::uint64_t sum = gone_v7_;
     for (const auto& one : all_)
         if (one->v8) sum += one->v8->counters().v7_frames;
     return sum;
 }
 
-const ano::FrameParser* FirstFrames::parser() const noexcept {
+const ano::FrameParser* ClientsWithoutFrame::parser() const noexcept {
     return all_.empty() || !all_.back()->v8 ? nullptr : &*all_.back()->v8;
 }
 

@@ -21,7 +21,7 @@
 
 namespace anogate {
 
-class FirstFrames {
+class ClientsWithoutFrame {
 public:
     static constexpr std::size_t places = 256;
     /// A sender without a place tries again with a later frame, and its connection is closed after this time.
@@ -41,8 +41,8 @@ public:
     /// Opens a channel for the connection, with a duplicate of `fd`. False: there is no place.
     using Admit = std::function<bool(int fd, const Sender& sender)>;
 
-    FirstFrames(const LinkContext& context, const Options& options, Admit admit);
-    ~FirstFrames();
+    ClientsWithoutFrame(const LinkContext& context, const Options& options, Admit admit);
+    ~ClientsWithoutFrame();
 
     /// False: no place is free, because trusted peers hold all of them, or too few descriptors are left.
     bool add(UniqueFd fd, const Endpoint& peer, std::shared_ptr<TlsConnection> tls, bool is_trusted);
@@ -64,8 +64,6 @@ private:
     struct One;
 
     bool make_place(bool is_trusted);
-    std::optional<std::size_t> connection_to_close(bool for_trusted);
-    std::vector<WaitingConnection> facts() const;
     void read(One& one);
     void expire(One& one);
     bool pass_on(One& one);
