@@ -136,8 +136,8 @@ class ReadAll final : public ParameterWork {
 public:
     ReadAll(const WorkPlace& place, ParameterOrder order) : ParameterWork{place}, order_{std::move(order)} {}
     void start(TimePoint now) override {
-        if (order_.words) return read_called(*order_.words, false, now);
         const auto* const before = order_.known && !order_.values ? known(now) : nullptr;
+        if (before == nullptr && order_.words) return read_called(*order_.words, false, now);
         if (before == nullptr) return read(order_.values ? Parameters::Values::all : Parameters::Values::none, now);
         known_ = *before;
         end_ = WorkEnd{};

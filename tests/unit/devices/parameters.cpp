@@ -515,6 +515,9 @@ struct KeptDescriptions : testing::Test {
         change(net);
         const ano::TimePoint begin = net.time;
         Set set;
+        // Before `anoctl param set` writes, it looks at the type.
+        const json looked = net.ask("GET", "/devices/0xDC/parameters?values=0&known&name=PAR_70").json;
+        EXPECT_EQ(looked.at("parameters").size(), 1u) << looked;
         set.status = net.ask("PUT", "/devices/0xDC/parameters/PAR_70", R"({"value": 5})").status;
         set.took = net.time - begin;
         std::set<Bytes> asked;    // each once, even if repeated
@@ -533,7 +536,7 @@ TEST_F(KeptDescriptions, reduce_reading_to_the_one_description_that_is_used) {
     EXPECT_EQ(known.status, 200u);
     EXPECT_EQ(known.stored, Bytes{5});
     EXPECT_EQ(known.descriptions, 1u) << "before anything is written";
-    EXPECT_LT(known.took, 4s);
+    EXPECT_LE(known.took, 9 * 600ms) << "round trips";
     EXPECT_GE(unknown.descriptions, many);
     EXPECT_GT(unknown.took, 10s);
     RecordProperty("ms", std::to_string(known.took / 1ms));

@@ -92,12 +92,17 @@ private:
         out << text_at(row, "name") << '=' << plain_at(row, "value") << '\n';
     }
 
+    /// "name=A&name=B".
+    static std::string names_query(const std::vector<std::string>& names) {
+        std::string query;
+        for (const std::string& name : names) query += (query.empty() ? "name=" : "&name=") + percent_encoded(name);
+        return query;
+    }
+
     int get(Streams& streams) const {
         if (words.empty()) throw UsageError{"missing NAME: anoctl param get NAME..., or --all"};
         DeviceClient client{options, streams};
-        std::string query;
-        for (const std::string& name : words) query += (query.empty() ? "?name=" : "&name=") + percent_encoded(name);
-        const Json answer = client.run("GET", client.target("/parameters" + query));
+        const Json answer = client.run("GET", client.target("/parameters?" + names_query(words)));
         const Json& rows = at(answer, "parameters");
         try {
             for (const std::string& name : words) (void)parameter_called(rows, name);
@@ -141,15 +146,16 @@ private:
                  streams);
         return fine;
     }
-    /// The descriptions as read before, if the values fit them; otherwise as the device describes them now.
+    /// The descriptions of the wanted ones as read before, also by an earlier run, if the values fit them; otherwise all, as the
+    /// device describes them now: an unknown name is compared with all names.
     static Json checked_descriptions(DeviceClient& client, const std::vector<Assignment>& wanted) {
-        const Json known = client.run("GET", client.target("/parameters?values=0&known"));
+        std::vector<std::string> names;
+        for (const Assignment& one : wanted) names.push_back(one.name);
+        const Json known = client.run("GET", client.target("/parameters?values=0&known&" + names_query(names)));
         try {
             check(wanted, at(known, "parameters"));
             return at(known, "parameters");
-        } catch (const Failure&) {
-            if (!known.contains("known")) throw;
-        }
+        } catch (const Failure&) {}
         Json now = descriptions(client);
         check(wanted, now);
         return now;
