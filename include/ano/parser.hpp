@@ -46,8 +46,9 @@ public:
         std::size_t max_data = usual_max_data;
         std::uint32_t line_rate = 0;                       // bytes/s of the line; 0: unknown
         Duration quiet = std::chrono::milliseconds{50};    // after this time without a byte, waiting candidates may be given up
-        Duration
-            frame_gap{};    // pauses of this length are normal inside a frame, and only there: replaces `quiet`; zero: not set
+        // Pauses of this length are normal inside a frame: after `quiet`, a candidate is given up only if valid frames after it end
+        // with the last byte received. Zero: not set.
+        Duration frame_gap{};
         bool zero_padding = false;    // 0x00 after a valid frame, committed together with its end, is padding and is not counted
     };
 
@@ -101,6 +102,10 @@ private:
     bool add_is_wrong(std::size_t at, std::size_t to) const noexcept;
     bool yields(std::size_t at) noexcept;
     std::size_t find_good_frame_behind(std::size_t at) noexcept;
+    std::size_t find_good_frames_to_the_end(std::size_t at) noexcept;
+    bool may_be_between_frames() const noexcept { return options_.frame_gap > options_.quiet && !none_at_end_; }
+    TimePoint next_look_between_frames() const noexcept;
+    TimePoint overdue_without_pauses_at(std::size_t candidate, TimePoint since) const noexcept;
     void sum_up_from(std::size_t at) noexcept;
     std::size_t first_not_overdue(TimePoint now) const noexcept;
     void skip_to(std::size_t at) noexcept;
@@ -133,8 +138,10 @@ private:
     bool behind_frame_ = false;       // pos_ is the end of a valid frame, and padding may follow
     bool candidate_waits_ = false;    // the candidate at pos_ waits for its rest
     bool none_behind_ = false;        // no valid frame was found after it since the last byte arrived
+    bool none_at_end_ = false;        // the same for valid frames that end with the last byte
     TimePoint candidate_since_{};
     TimePoint last_arrival_{};
+    TimePoint looked_at_{};           // for valid frames that end with the last byte
     V7Matcher v7_;
     std::size_t v7_budget_ = 0;                        // bytes it may still examine: each commit adds some
     LazyArray<std::uint8_t> skipped_{kept_skipped};    // a ring: byte N of skipped_bytes is at N % kept_skipped

@@ -98,7 +98,7 @@ void FrameParser::commit(std::size_t n, TimePoint now) noexcept {
     std::memset(buffer_.get() + end_, 0, block);    // read together with the last bytes, so it must be initialised
     counters_.bytes_in += n;
     last_arrival_ = now;
-    none_behind_ = false;
+    none_behind_ = none_at_end_ = false;
     v7_budget_ = std::min(v7_budget_ + std::min(n, v7_bytes_per_commit), capacity_);
 }
 
@@ -159,12 +159,18 @@ bool FrameParser::expire(TimePoint now) noexcept {
     if (!candidate_waits_) return false;
     const bool overdue = now >= overdue_at(pos_, candidate_since_);
     const bool quiet = now - last_arrival_ >= this->quiet();
+    std::size_t good = 0;
     if (quiet && !none_behind_) {
-        if (const std::size_t good = find_good_frame_behind(pos_)) {
-            barrier_ = good;
-            return true;
-        }
-        none_behind_ = true;
+        good = find_good_frame_behind(pos_);
+        none_behind_ = good == 0;
+    } else if (may_be_between_frames() && now >= next_look_between_frames()) {
+        good = find_good_frames_to_the_end(pos_);
+        none_at_end_ = good == 0;
+        looked_at_ = now;
+    }
+    if (good != 0) {
+        barrier_ = good;
+        return true;
     }
     // While bytes still arrive, a candidate after this one may be an incomplete valid frame: only this one is given up.
     if (overdue) barrier_ = quiet ? first_not_overdue(now) : pos_ + 1;
@@ -174,6 +180,7 @@ bool FrameParser::expire(TimePoint now) noexcept {
 std::optional<TimePoint> FrameParser::deadline() const noexcept {
     if (!candidate_waits_) return std::nullopt;
     const TimePoint overdue = overdue_at(pos_, candidate_since_);
+    if (may_be_between_frames()) return std::min(overdue, next_look_between_frames());
     return none_behind_ ? overdue : std::min(overdue, last_arrival_ + quiet());
 }
 
@@ -304,6 +311,16 @@ std::size_t FrameParser::find_good_frame_behind(std::size_t at) noexcept {
     return 0;
 }
 
+// Where valid frames behind `at` begin, of which the last one ends with the last byte received: then this is the pause between
+// frames, and not one inside the candidate at `at`. 0: there are none.
+std::size_t FrameParser::find_good_frames_to_the_end(std::size_t at) noexcept {
+    const std::size_t first = find_good_frame_behind(at);
+    std::size_t next = first;
+    while (next != 0 && next + overhead + data_length(buffer_.get() + next) < end_)
+        next = find_good_frame_behind(next + overhead + data_length(buffer_.get() + next) - 1);
+    return next != 0 ? first : 0;
+}
+
 // The next candidate after the waiting one that is not overdue. Of its arrival, only the latest possible time is known:
 // last_arrival_.
 std::size_t FrameParser::first_not_overdue(TimePoint now) const noexcept {
@@ -362,16 +379,23 @@ bool FrameParser::V7Matcher::take(std::uint8_t byte) noexcept {
     return false;
 }
 
+// At the end of a pause, or even without one if the candidate takes longer than the line needs.
+TimePoint FrameParser::next_look_between_frames() const noexcept {
+    return std::min(last_arrival_, std::max(overdue_without_pauses_at(pos_, candidate_since_), looked_at_)) + options_.quiet;
+}
+
+TimePoint FrameParser::overdue_without_pauses_at(std::size_t candidate, TimePoint since) const noexcept {
+    if (options_.line_rate == 0) return since + overdue_unknown_rate;
+    const std::size_t there = end_ - candidate;
+    const std::size_t length = there < header_size ? 0 : data_length(buffer_.get() + candidate);
+    const bool is_unchecked = length > options_.max_data && there < image_head_size;    // it may be an image
+    const std::size_t wanted = overhead + (is_unchecked ? options_.max_data : length);
+    return since + overdue_grace + Duration{std::chrono::seconds{wanted}} / options_.line_rate;
+}
+
+// If pauses are normal, a frame is incomplete but not overdue as long as its bytes arrive.
 TimePoint FrameParser::overdue_at(std::size_t candidate, TimePoint since) const noexcept {
-    TimePoint overdue = since + overdue_unknown_rate;
-    if (options_.line_rate != 0) {
-        const std::size_t there = end_ - candidate;
-        const std::size_t length = there < header_size ? 0 : data_length(buffer_.get() + candidate);
-        const bool is_unchecked = length > options_.max_data && there < image_head_size;    // it may be an image
-        const std::size_t wanted = overhead + (is_unchecked ? options_.max_data : length);
-        overdue = since + overdue_grace + Duration{std::chrono::seconds{wanted}} / options_.line_rate;
-    }
-    // If pauses are normal, a frame is incomplete but not overdue as long as its bytes arrive.
+    const TimePoint overdue = overdue_without_pauses_at(candidate, since);
     return options_.frame_gap > Duration{} ? std::max(overdue, last_arrival_ + options_.frame_gap) : overdue;
 }
 

@@ -30,6 +30,7 @@ public:
         if (bytes.empty()) return;
         bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
         last_arrival_ = now;
+        none_at_end_ = false;
         look();
     }
 
@@ -44,7 +45,13 @@ public:
     void expire(ano::TimePoint now) {
         while (waiting() > 0) {
             const bool quiet = now - last_arrival_ >= (pauses() ? options_.frame_gap : options_.quiet);
-            if (const std::size_t behind = quiet ? good_frame_behind() : 0) {
+            std::size_t behind = quiet ? good_frame_behind(at_ + 1) : 0;
+            if (behind == 0 && may_be_between_frames(now)) {
+                behind = good_frames_to_the_end();
+                none_at_end_ = behind == 0;
+                looked_at_ = now;
+            }
+            if (behind != 0) {
                 discard_before(behind);
             } else if (now >= overdue_at(at_, since_)) {
                 // The arrival time of this candidate is unknown: at the latest that of the last byte.
@@ -59,6 +66,12 @@ public:
 
 private:
     enum Kind { good, refusable, incomplete };
+
+    // At the end of a pause, or even without one if the candidate takes longer than the line needs.
+    bool may_be_between_frames(ano::TimePoint now) const {
+        if (none_at_end_ || options_.frame_gap <= options_.quiet) return false;
+        return now >= std::min(last_arrival_, std::max(overdue_without_pauses_at(at_, since_), looked_at_)) + options_.quiet;
+    }
 
     bool pauses() const { return options_.frame_gap > ano::Duration{}; }
 
@@ -138,9 +151,16 @@ private:
     }
 
     // 0: there is none.
-    std::size_t good_frame_behind() const {
-        for (std::size_t at = at_ + 1; at < bytes_.size(); ++at)
+    std::size_t good_frame_behind(std::size_t at) const {
+        for (; at < bytes_.size(); ++at)
             if (what_begins(bytes_, at) == good) return at;
+        return 0;
+    }
+    // Where frames begin of which the last one ends with the last byte; 0: there are none.
+    std::size_t good_frames_to_the_end() const {
+        const std::size_t first = good_frame_behind(at_ + 1);
+        for (std::size_t next = first; next != 0; next = good_frame_behind(next + 8 + length_at(next)))
+            if (next + 8 + length_at(next) == bytes_.size()) return first;
         return 0;
     }
 
@@ -190,7 +210,7 @@ private:
         }
     }
 
-    ano::TimePoint overdue_at(std::size_t at, ano::TimePoint since) const {
+    ano::TimePoint overdue_without_pauses_at(std::size_t at, ano::TimePoint since) const {
         using namespace std::chrono_literals;
         ano::TimePoint overdue = since + 1s;
         if (options_.line_rate != 0) {
@@ -198,6 +218,10 @@ private:
             if (length > options_.max_data && bytes_.size() - at < 23) length = options_.max_data;
             overdue = since + 200ms + ano::Duration{std::chrono::seconds{8 + length}} / options_.line_rate;
         }
+        return overdue;
+    }
+    ano::TimePoint overdue_at(std::size_t at, ano::TimePoint since) const {
+        const ano::TimePoint overdue = overdue_without_pauses_at(at, since);
         return pauses() ? std::max(overdue, last_arrival_ + options_.frame_gap) : overdue;
     }
 
@@ -208,6 +232,8 @@ private:
     bool waits_ = false;
     ano::TimePoint since_{};
     ano::TimePoint last_arrival_{};
+    bool none_at_end_ = false;       // no frame ends with the last byte
+    ano::TimePoint looked_at_{};     // for such a frame
     std::set<unsigned> sources_;                 // of valid frames
     std::array<std::size_t, 256> max_size_{};    // largest LEN of valid frames, by id
     std::size_t credit_ = 65536;

@@ -172,12 +172,58 @@ TEST(FrameParser, allows_pauses_up_to_the_frame_gap_on_fast_lines_and_between_da
             for (std::size_t i = 0; i < frame.size(); i += 20) {
                 const Bytes piece = begin_of(rest_of(frame, i), std::min<std::size_t>(20, frame.size() - i));
                 datagrams ? line.feed_datagram(piece) : line.put(piece);
-                EXPECT_EQ(line.parser.deadline().value_or(line.now + 400ms), line.now + 400ms);
-                line.pass(pause);
+                line.pass(50ms);
+                line.expire();
+                EXPECT_EQ(line.parser.deadline().value_or(line.now + 350ms), line.now + 350ms);
+                line.pass(pause - 50ms);
                 line.expire();
             }
             EXPECT_EQ(line.frames, pause < 400ms ? Frames{frame} : Frames{});
         }
+}
+
+// The rest of the frame at the beginning was lost; the line never pauses for the frame gap.
+TEST(FrameParser, delivers_each_frame_after_a_false_header_as_soon_as_it_is_followed_by_a_pause_despite_the_frame_gap) {
+    for (const bool datagrams : {false, true}) {
+        Line line{{.line_rate = 11'520, .frame_gap = 500ms}};
+        const auto put = [&](const Bytes& bytes) { datagrams ? line.feed_datagram(bytes) : line.put(bytes); };
+        put(header(601) + Bytes(14));
+        for (std::uint8_t i = 0; i < 10; ++i) {
+            line.pass(400ms);
+            line.expire();
+            put(numbered(i));
+            line.pass(50ms);
+            line.expire();
+            EXPECT_EQ(line.frames.size(), i + 1u);
+        }
+    }
+}
+
+TEST(FrameParser, gives_up_a_false_header_on_a_line_without_pauses_despite_the_frame_gap) {
+    Line line{{.line_rate = 11'520, .frame_gap = 500ms}};
+    line.put(header(4000));
+    const ano::TimePoint begin = line.now;
+    while (line.frames.empty() && line.now - begin < 1min) {
+        line.pass(40ms);
+        line.expire();
+        line.put(numbered(1));
+    }
+    EXPECT_LT(line.now - begin, 200ms + 350ms + 100ms) << "the time for 4000 bytes";
+    EXPECT_GT(line.frames.size(), 10u);
+}
+
+// A camera behind a bridge that sends 512 bytes at a time.
+TEST(FrameParser, waits_for_all_pauses_of_a_long_frame) {
+    Line line{{.max_data = 20'000, .line_rate = 50'000, .frame_gap = 300ms}};
+    const Bytes frame = support::frame(0xDC, 2, 3, Bytes(19'000, 7));
+    for (std::size_t i = 0; i < frame.size(); i += 512) {
+        line.put(begin_of(rest_of(frame, i), std::min<std::size_t>(512, frame.size() - i)));
+        for (const auto pause : {50ms, 200ms}) {
+            line.pass(pause);
+            line.expire();
+        }
+    }
+    EXPECT_EQ(line.frames, Frames{frame});
 }
 
 }    // namespace
