@@ -102,8 +102,11 @@ public:
     void drop_frame(SendCause cause) noexcept;
     /// Drops all waiting frames, for `cause`. The rest of a partly sent frame is still sent.
     void drop_waiting(SendCause cause) noexcept;
-    /// The wire accepts no more for now. Until nothing waits, newer frames replace older ones of their kind.
-    void set_congested() noexcept { congested_ = frames_ > 0; }
+    /// The wire accepts no more for now. Until nothing waits, newer frames replace older ones of their kind. Setpoints that are
+    /// already followed by a newer one are dropped.
+    void set_congested() noexcept {
+        if (!std::exchange(congested_, frames_ > 0) && congested_) supersede_setpoints();
+    }
 
     /// The wire is connected. An outbox starts closed.
     void open() noexcept { open_ = true; }
@@ -148,6 +151,7 @@ private:
 
     SendCause store(ano::FrameView frame, QueuePolicy policy, ano::TimePoint stale_at, ChannelId from) noexcept;
     std::uint64_t supersede(std::uint32_t key, ChannelId from) noexcept;
+    void supersede_setpoints() noexcept;
     bool make_room(std::size_t size, TrafficClass traffic) noexcept;
     std::size_t next_evicted(std::size_t own, bool entitled) const noexcept;
     bool entitled(const FairQueue& queue, std::size_t more) const noexcept;

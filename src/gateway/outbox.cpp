@@ -245,6 +245,26 @@ std::uint64_t Outbox::supersede(std::uint32_t key, ChannelId from) noexcept {
     return turn;
 }
 
+// After a pause, several arrive at once: the newest one counts, and would be too old at the end of the others. The queue is
+// searched once each time that it becomes congested.
+void Outbox::supersede_setpoints() noexcept {
+    for (Index i = in_arena_.first, behind; i != none; i = behind) {
+        WaitingFrame& older = entries_[i];
+        behind = older.in_arena.behind;
+        if (i == begun_ || !older.replaceable || !older.overtakes) continue;
+        const auto is_newer = [&](Index n) {
+            return entries_[n].key == older.key &&
+                   queues_[entries_[n].traffic].channel_of(n) == queues_[older.traffic].channel_of(i);
+        };
+        Index newer = older.in_bucket.behind;
+        for (int looked = 1; newer != none && looked < max_entries_searched && !is_newer(newer); ++looked)
+            newer = entries_[newer].in_bucket.behind;
+        if (newer == none || !is_newer(newer)) continue;
+        entries_[newer].turn = std::min(entries_[newer].turn, older.turn);
+        drop(i, &SendCounters::superseded);
+    }
+}
+
 // False: the new frame itself is dropped. A partly sent frame may exceed the limit if nothing else is left to drop.
 bool Outbox::make_room(std::size_t size, TrafficClass traffic) noexcept {
     const std::size_t begun = begun_ != none ? entries_[begun_].size : 0;

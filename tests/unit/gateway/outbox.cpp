@@ -415,6 +415,27 @@ TEST(Outbox, newer_frames_replace_older_ones_only_while_congested) {
     expect_balanced(outbox);
 }
 
+// As after a pause of a radio.
+TEST(Outbox, of_setpoints_that_arrived_together_only_the_newest_waits_when_the_wire_accepts_no_more) {
+    Outbox outbox = open_outbox(1000, 100);
+    push(outbox, numbered(1), stick, 1);
+    std::array<Piece, 1> first;
+    ASSERT_EQ(outbox.gather(first), 1u);
+    outbox.sent(first[0].size() - 1);
+    for (std::uint8_t n = 2; n <= 5; ++n) push(outbox, numbered(n), stick, n == 2 ? 7 : 1);
+    push(outbox, numbered(6), attitude);
+    push(outbox, numbered(7), attitude);
+    push(outbox, numbered(8), command);
+    push(outbox, numbered(9), command);
+    outbox.set_congested();
+    outbox.set_congested();
+    EXPECT_EQ(outbox.counters().superseded, 2u) << "3 and 4 of one sender; 1 is partly sent, 2 is the only one of another";
+    EXPECT_EQ(outbox.waiting(), 7u);
+    push(outbox, numbered(10), stick, 1);
+    EXPECT_EQ(outbox.counters().superseded, 3u);
+    expect_balanced(outbox);
+}
+
 TEST(Outbox, only_frames_of_the_same_kind_are_replaced) {
     Outbox outbox = open_outbox(1000, 100);
     const auto one = [](std::uint8_t source, std::uint8_t destination, std::uint8_t id, Bytes data) {
