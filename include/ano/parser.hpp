@@ -78,6 +78,8 @@ public:
     /// Copies the newest bytes outside of valid frames, in their order, as many as there are and fit. Returns their number.
     std::size_t copy_skipped(std::span<std::uint8_t> into) const noexcept;
     static constexpr std::size_t kept_skipped = 1024;
+    /// Valid frames since the last byte outside of valid frames.
+    std::uint64_t frames_since_skipped() const noexcept { return counters_.frames_in - frames_at_skip_; }
     const ParserCounters& counters() const noexcept { return counters_; }
     void set_line_rate(std::uint32_t bytes_per_second) noexcept { options_.line_rate = bytes_per_second; }
 
@@ -141,10 +143,11 @@ private:
     bool none_at_end_ = false;        // the same for valid frames that end with the last byte
     TimePoint candidate_since_{};
     TimePoint last_arrival_{};
-    TimePoint looked_at_{};           // for valid frames that end with the last byte
+    TimePoint looked_at_{};    // for valid frames that end with the last byte
     V7Matcher v7_;
     std::size_t v7_budget_ = 0;                        // bytes it may still examine: each commit adds some
     LazyArray<std::uint8_t> skipped_{kept_skipped};    // a ring: byte N of skipped_bytes is at N % kept_skipped
+    std::uint64_t frames_at_skip_ = 0;                 // counters_.frames_in when a byte was skipped last
     ParserCounters counters_;
 };
 

@@ -71,6 +71,7 @@ struct LinkFigures {
     std::uint64_t outsiders = 0;             // the same, refused because the sender is outside `allow`
     std::size_t without_frame = 0;           // connected clients that have sent no complete valid frame yet
     std::uint64_t handshakes = 0;            // connections closed lately for others, during their TLS handshake
+    std::optional<std::uint64_t> frames_since_skipped;    // on the worst channel; std::nullopt: no byte was skipped
     ano::Duration up_for{};
     std::optional<ano::Duration> silent_for;         // since the last valid frame; std::nullopt: there was none
     std::uint64_t skipped_since = 0;                 // bytes outside of any frame, since then

@@ -14,7 +14,8 @@ constexpr std::size_t read_room = 4096;
 constexpr std::size_t sums_ahead = 1024;    // bytes summed beyond the needed ones: the next candidate will need them
 constexpr std::size_t sums_slack = 64;      // a candidate this close after a refused one is likely to be refused too
 constexpr Duration datagram_patience = 100ms;
-constexpr Duration overdue_unknown_rate = 1s;
+constexpr Duration overdue_unknown_rate = 1s;    // plus the time of a longer frame on a line of 115200 baud
+constexpr std::uint32_t assumed_rate = 11'520;
 constexpr Duration overdue_grace = 200ms;
 
 // A frame of the previous version: 0xAA D_ADDR ID LEN(u8) DATA SC AC, the same checks.
@@ -333,6 +334,7 @@ std::size_t FrameParser::first_not_overdue(TimePoint now) const noexcept {
 void FrameParser::skip_to(std::size_t at) noexcept {
     keep_skipped({buffer_.get() + pos_, at - pos_});
     counters_.skipped_bytes += at - pos_;
+    frames_at_skip_ = counters_.frames_in;
     for (; pos_ < at && v7_budget_ > 0; ++pos_, --v7_budget_)
         if (v7_.take(buffer_[pos_])) ++counters_.v7_frames;
     if (pos_ < at) v7_ = {};
@@ -385,12 +387,14 @@ TimePoint FrameParser::next_look_between_frames() const noexcept {
 }
 
 TimePoint FrameParser::overdue_without_pauses_at(std::size_t candidate, TimePoint since) const noexcept {
-    if (options_.line_rate == 0) return since + overdue_unknown_rate;
     const std::size_t there = end_ - candidate;
     const std::size_t length = there < header_size ? 0 : data_length(buffer_.get() + candidate);
     const bool is_unchecked = length > options_.max_data && there < image_head_size;    // it may be an image
     const std::size_t wanted = overhead + (is_unchecked ? options_.max_data : length);
-    return since + overdue_grace + Duration{std::chrono::seconds{wanted}} / options_.line_rate;
+    const bool is_usual = wanted <= overhead + usual_max_data;
+    if (options_.line_rate == 0 && is_usual) return since + overdue_unknown_rate;
+    const Duration grace = options_.line_rate != 0 ? overdue_grace : overdue_unknown_rate;
+    return since + grace + Duration{std::chrono::seconds{wanted}} / (options_.line_rate != 0 ? options_.line_rate : assumed_rate);
 }
 
 // If pauses are normal, a frame is incomplete but not overdue as long as its bytes arrive.

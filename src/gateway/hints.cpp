@@ -13,6 +13,7 @@ using namespace std::chrono_literals;
 
 constexpr std::uint64_t enough_bytes = 64;     // minimum without a frame before a hint
 constexpr std::uint64_t enough_frames = 20;    // minimum before a share of them is evaluated
+constexpr std::uint64_t enough_good = 100;     // valid frames in a row after which the cause of corrupted ones is repaired
 constexpr std::uint64_t enough_long = 5;       // among valid frames: noise would damage others as well
 constexpr ano::Duration patience = 3s;         // shorter silences are normal
 constexpr ano::Duration still = 2s;            // a link with bytes within this time is still receiving
@@ -52,10 +53,10 @@ std::optional<ano::Duration> garbled_for(const LinkFigures& link) {
 }
 
 // The duration changes with every call: a hint that is reported once is written without it.
-Hint garbled(const LinkFigures& link, ano::Duration time, bool with_time) {
+Hint garbled(const LinkFigures& link, ano::Duration time, bool with_details) {
     std::string text = "data but no valid frames ";
-    text += with_time ? "for " : "any more";
-    if (with_time) text += seconds(time);
+    text += with_details ? "for " : "any more";
+    if (with_details) text += seconds(time);
     const LinkHints::Words& words = link.words.no_frames_any_more;
     return {words.id, text.append(words.text), {{"seconds", in_whole_seconds(time)}}};
 }
@@ -133,7 +134,7 @@ Hint no_receiver(std::string_view hosts_link) {
 }
 
 // Classifies the bytes without valid frames.
-Hint wrong_frames(const LinkFigures& link) {
+Hint wrong_frames(const LinkFigures& link, bool with_text) {
     switch (find_wrong_frames(link.skipped)) {
     case WrongFrames::none: break;
     case WrongFrames::swapped_checks:
@@ -145,9 +146,9 @@ Hint wrong_frames(const LinkFigures& link) {
     case WrongFrames::old_body:
         return {"older_body", "frames of an older protocol with the V8 header 0xAB: use a V8 library on the device"};
     case WrongFrames::text: {
-        Hint hint{"text", "text instead of frames: switch the device to V8 output, or read it with anoctl terminal; received: '"};
+        Hint hint{"text", "text instead of frames: switch the device to V8 output, or read it with anoctl terminal"};
         const std::string shown = first_characters(link.skipped, link.to_utf8);
-        hint.text += shown + "'";
+        if (with_text) hint.text += "; received: '" + shown + "'";
         hint.args.emplace_back("text", shown);
         return hint;
     }
@@ -167,18 +168,22 @@ Hint v7_frames(const LinkFigures& link) {
             {{"keys", keys}}};
 }
 
+bool is_repaired(const LinkFigures& link) noexcept { return link.frames_since_skipped.value_or(0) >= enough_good; }
+
 // Why no frames are found, or why frames are refused.
-Hint trouble_in(const LinkFigures& link, bool with_time) {
+Hint trouble_in(const LinkFigures& link, bool with_details) {
     const ReceiveCounters& in = link.received;
-    if (link.v7_frames > 0 && link.v7_frames * 10 > in.frames_in) return v7_frames(link);
+    const bool repaired = is_repaired(link);
+    if (link.v7_frames > 0 && link.v7_frames * 10 > in.frames_in && !repaired) return v7_frames(link);
     const auto garbled_time = garbled_for(link);
     const std::uint64_t refused = in.bad_check + in.bad_length + in.expired;
     const bool finds_none = in.frames_in == 0 || garbled_time;
-    if (in.skipped_bytes >= enough_bytes && (finds_none || (refused >= enough_frames && refused * 10 > in.frames_in)))
-        if (Hint hint = wrong_frames(link); !hint.id.empty() && (finds_none || hint.id != "text")) return hint;
+    if (in.skipped_bytes >= enough_bytes &&
+        (finds_none || (refused >= enough_frames && refused * 10 > in.frames_in && !repaired)))
+        if (Hint hint = wrong_frames(link, with_details); !hint.id.empty() && (finds_none || hint.id != "text")) return hint;
     if (in.frames_in == 0 && in.skipped_bytes >= enough_bytes)
         return {link.words.no_frames.id, std::string{link.words.no_frames.text}};
-    if (garbled_time) return garbled(link, *garbled_time, with_time);
+    if (garbled_time) return garbled(link, *garbled_time, with_details);
     const bool too_long = in.frames_in == 0 ? in.bad_length > 0 && in.bad_length >= in.bad_check
                                             : in.bad_length >= enough_long && in.bad_check == 0;
     if (too_long) return {"above_max_data", "frames longer than max_data are refused: raise max_data on this link"};
@@ -208,10 +213,10 @@ Hint trouble_in(const LinkFigures& link, bool with_time) {
     return {};
 }
 
-Hint trouble(const LinkFigures& link, bool with_time) {
+Hint trouble(const LinkFigures& link, bool with_details) {
     const ReceiveCounters& in = link.received;
     if (!link.up) return {};
-    if (Hint hint = trouble_in(link, with_time); !hint.id.empty()) return hint;
+    if (Hint hint = trouble_in(link, with_details); !hint.id.empty()) return hint;
     if (!link.ring_back.empty()) return ring(link);    // first: its copies look like one device on two links
     if (link.shared != SharedSource::none) return shared(link);
     if (link.echoes) return {"echo", "the line echoes sent frames: disable the receiver while sending, or ignore this"};
@@ -222,7 +227,7 @@ Hint trouble(const LinkFigures& link, bool with_time) {
     if (link.contradictory != 0) return contradiction(link.contradictory, link.attitude);
     if (link.undelivered_for && *link.undelivered_for >= patience) return no_receiver(link.hosts_link);
     const std::uint64_t damaged = in.bad_check + in.expired;
-    if (in.frames_in + damaged >= enough_frames && damaged * 10 > in.frames_in)
+    if (in.frames_in + damaged >= enough_frames && damaged * 10 > in.frames_in && !is_repaired(link))
         return {"many_damaged", "many corrupted frames: check cable, ground and baud rate"};
     const std::uint64_t dropped = link.sent.queue_full + link.sent.superseded + link.sent.stale - link.came_stale;
     if (dropped > 0 && dropped * 10 > link.sent.frames_out)
@@ -233,8 +238,8 @@ Hint trouble(const LinkFigures& link, bool with_time) {
 
 const Hint over{"recording_ended", "the recording has ended"};
 
-Hint trouble_or_end(const LinkFigures& link, bool with_time) {
-    Hint found = trouble(link, with_time);
+Hint trouble_or_end(const LinkFigures& link, bool with_details) {
+    Hint found = trouble(link, with_details);
     return found.id.empty() && link.is_over ? over : found;
 }
 

@@ -48,7 +48,7 @@ bool is_array(const ano::Field& f) noexcept { return is_number(f.type) && f.coun
 
 }    // namespace
 
-CsvWriter::CsvWriter(std::uint8_t id, const ano::JsonOptions& options) : options_{options} {
+CsvWriter::CsvWriter(std::uint8_t id, const ano::JsonOptions& options) : id_{id}, options_{options} {
     for (const ano::Message& row : ano::layouts_of(id)) add_columns(row.fields());
     if (options.flexible == nullptr) return;
     for (const ano::FlexibleLayout& layout : options.flexible->all())
@@ -59,6 +59,13 @@ CsvWriter::CsvWriter(std::uint8_t id, const ano::JsonOptions& options) : options
 void CsvWriter::use(const ano::FlexibleLayouts& flexible) {
     options_.flexible = &flexible;
     cells_.clear();
+}
+
+bool CsvWriter::has_columns_for(const ano::FlexibleLayouts& flexible) const {
+    const CsvWriter other{id_, {&flexible}};
+    return std::all_of(other.columns_.begin(), other.columns_.end(), [this](const Column& column) {
+        return std::find(columns_.begin(), columns_.end(), column) != columns_.end();
+    });
 }
 
 // Fields with the same name and unit share a column across layouts.

@@ -25,6 +25,8 @@ public:
 
     /// Layouts of the frames that follow. The columns stay: a line whose layout has a field without a column has all of DATA.
     void use(const ano::FlexibleLayouts& flexible);
+    /// Whether each field that this message has in `flexible` has a column.
+    bool has_columns_for(const ano::FlexibleLayouts& flexible) const;
 
     /// The encoding of the texts in the lines that follow.
     void read_as(ano::Encoding encoding) noexcept { options_.encoding = encoding; }
@@ -41,6 +43,7 @@ private:
         std::string_view unit;
 
         bool is_of(const ano::Field& f) const { return field == f.name && unit == f.unit; }
+        friend bool operator==(const Column&, const Column&) = default;
     };
     /// The fields of a layout, by the column that each fills.
     struct Cells {
@@ -51,6 +54,7 @@ private:
     const Cells& cells_of(std::span<const ano::Field> layout);
     void write_cell(const ano::Reading& reading, const ano::Field& field, int element, std::string& out);
 
+    std::uint8_t id_;
     ano::JsonOptions options_;
     std::vector<Column> columns_;
     std::unordered_map<const ano::Field*, Cells> cells_;    // by the first field of a layout

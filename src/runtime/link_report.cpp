@@ -196,6 +196,8 @@ LinkReport report_of(const Gateway& gateway, const LinkState& state, TimePoint n
         f.echoes = f.echoes || channel.echo.echoes(now);
         f.v7_frames += channel.parser.counters().v7_frames;
         add_skipped(f, channel.parser);
+        if (channel.parser.counters().skipped_bytes > 0)
+            f.frames_since_skipped = std::min(f.frames_since_skipped.value_or(UINT64_MAX), channel.parser.frames_since_skipped());
         f.skipped_since += channel.skipped_since_heard();
         report.waiting += channel.waiting();
         if (channel.arrived_at != TimePoint{})

@@ -2,6 +2,7 @@
 // units.
 #include <support/anoctl.hpp>
 #include <support/asked.hpp>
+#include <support/files.hpp>
 #include <support/process.hpp>
 #include <support/temp_dir.hpp>
 #include <support/udp_peer.hpp>
@@ -201,6 +202,13 @@ TEST_F(Flexible, recordings_of_both_formats_contain_their_layouts_and_need_no_co
         EXPECT_NE(support::anoctl({"info", path}).out.find("layouts of flexible messages: flexible1"), std::string::npos);
         const auto table = support::anoctl({"convert", path, dir / (name + ".csv"), "--id", "flexible1"});
         EXPECT_EQ(table.exit, 0) << table.err;
+        EXPECT_NE(support::file_text(dir / (name + ".csv")).find(",cells.0 [V],cells.1 [V],"), std::string::npos)
+            << support::file_text(dir / (name + ".csv"));
+        EXPECT_NE(support::file_text(dir / (name + "-2.csv")).find(",later,"), std::string::npos)
+            << "the layout that follows has its own table";
+        EXPECT_NE(table.err.find(name + "-2.csv"), std::string::npos) << table.err;
+        const auto output = support::anoctl({"convert", path, "-", "--id", "flexible1"});
+        EXPECT_NE(output.err.find("the layout changes in this recording"), std::string::npos) << output.err;
 
         // Converted to the other format, and to MCAP with decoded messages.
         const std::string again = dir / (name + "-again.mcap");

@@ -212,12 +212,12 @@ private:
 
     ano::TimePoint overdue_without_pauses_at(std::size_t at, ano::TimePoint since) const {
         using namespace std::chrono_literals;
+        std::size_t length = bytes_.size() - at < 6 ? 0 : length_at(at);
+        if (length > options_.max_data && bytes_.size() - at < 23) length = options_.max_data;
+        const auto takes = [&](std::uint32_t rate) { return ano::Duration{std::chrono::seconds{8 + length}} / rate; };
         ano::TimePoint overdue = since + 1s;
-        if (options_.line_rate != 0) {
-            std::size_t length = bytes_.size() - at < 6 ? 0 : length_at(at);
-            if (length > options_.max_data && bytes_.size() - at < 23) length = options_.max_data;
-            overdue = since + 200ms + ano::Duration{std::chrono::seconds{8 + length}} / options_.line_rate;
-        }
+        if (options_.line_rate != 0) overdue = since + 200ms + takes(options_.line_rate);
+        else if (length > 4096) overdue += takes(11'520);
         return overdue;
     }
     ano::TimePoint overdue_at(std::size_t at, ano::TimePoint since) const {
@@ -232,8 +232,8 @@ private:
     bool waits_ = false;
     ano::TimePoint since_{};
     ano::TimePoint last_arrival_{};
-    bool none_at_end_ = false;       // no frame ends with the last byte
-    ano::TimePoint looked_at_{};     // for such a frame
+    bool none_at_end_ = false;                   // no frame ends with the last byte
+    ano::TimePoint looked_at_{};                 // for such a frame
     std::set<unsigned> sources_;                 // of valid frames
     std::array<std::size_t, 256> max_size_{};    // largest LEN of valid frames, by id
     std::size_t credit_ = 65536;

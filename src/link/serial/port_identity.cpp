@@ -72,8 +72,12 @@ void SocketWatch::opened(const fs::path& root, const std::string& device) {
     const PortIdentity port = port_identity(root, device);
     if (from_.empty()) from_ = port.place;
     to_ = port.place;
-    const auto twins = from_ == to_ ? std::vector<std::string>{} : twins_of(root, port);
-    twin_ = twins.empty() ? std::string{} : twins.front();
+    twin_.clear();
+    if (awaits_twin()) look_for_twin(root, device);
+}
+
+void SocketWatch::look_for_twin(const fs::path& root, const std::string& device) {
+    if (const auto twins = twins_of(root, port_identity(root, device)); !twins.empty()) twin_ = twins.front();
 }
 
 std::string fault_of_by_id(const fs::path& root, const std::string& device) {

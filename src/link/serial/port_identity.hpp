@@ -30,6 +30,11 @@ class SocketWatch {
 public:
     /// To be called each time after `device` is opened.
     void opened(const std::filesystem::path& root, const std::string& device);
+    /// The adapter is in another socket than the first, and no twin was connected: it may be the twin itself, whose other one
+    /// follows.
+    bool awaits_twin() const noexcept { return from_ != to_ && twin_.empty(); }
+    /// Looks again for a twin.
+    void look_for_twin(const std::filesystem::path& root, const std::string& device);
     /// The sockets of the adapter that was opened first and of the present one.
     const std::string& from() const noexcept { return from_; }
     const std::string& to() const noexcept { return to_; }

@@ -31,6 +31,8 @@ std::string absent_text(const std::string& device) {
     return device + " not found (did you mean " + meant + "?)";
 }
 
+constexpr Duration between_looks_for_twin = std::chrono::seconds{5};    // a look reads files of each port
+
 // The other program did not lock the port: each received byte goes to only one of the two.
 LinkError of_shared_port(const std::string& device, const DeviceHolder& holder) {
     return {"shared_port",
@@ -74,7 +76,14 @@ Opened<UniqueFd> SerialLink::open_wire() {
     wire_ = fd->get();
     shared_with_ = device_holder(device, OtherSide::does_not_count);
     socket_.opened("/", device);
+    if (socket_.awaits_twin()) twin_again_.set(context_.host.now() + between_looks_for_twin);
     return fd;
+}
+
+// Both may have been unplugged, and this one is the first that is back.
+void SerialLink::look_for_twin() {
+    socket_.look_for_twin("/", settings().as<SerialSettings>().device);
+    if (socket_.awaits_twin()) twin_again_.set(context_.host.now() + between_looks_for_twin);
 }
 
 LinkError SerialLink::trouble() const {
@@ -99,6 +108,7 @@ void SerialLink::leave_wire(int fd) {
     if (rs485_) rs485_->close();
     if (rs485_by_driver_) terminal::disable_rs485(fd);
     terminal::release_exclusive(fd);
+    twin_again_.cancel();
     wire_ = -1;
 }
 

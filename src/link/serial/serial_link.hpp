@@ -4,6 +4,7 @@
 #include <link/serial/port_identity.hpp>
 #include <link/serial/serial_settings.hpp>
 #include <link/stream_link.hpp>
+#include <sys/alarm.hpp>
 #include <sys/device_holder.hpp>
 
 #include <memory>
@@ -14,7 +15,8 @@ namespace anogate {
 
 class SerialLink final : public StreamLink {
 public:
-    SerialLink(LinkId id, LinkSettings settings, const LinkContext& context) : StreamLink{id, std::move(settings), context} {
+    SerialLink(LinkId id, LinkSettings settings, const LinkContext& context)
+        : StreamLink{id, std::move(settings), context}, twin_again_{context.alarms, [this] { look_for_twin(); }} {
         translate(this->settings().as<SerialSettings>().v7, this->settings());
     }
     std::size_t unsent() const override;
@@ -35,12 +37,14 @@ private:
     std::uint32_t line_rate() const override;
     std::size_t held_by_driver() const override;
     void leave_wire(int fd) override;
+    void look_for_twin();
     LinkError why_gone(int error) const override;
 
     int wire_ = -1;    // the open descriptor; -1: none
     std::uint32_t actual_baud_ = 0;
     std::optional<DeviceHolder> shared_with_;    // another program that has the port open
     SocketWatch socket_;
+    Alarm twin_again_;
 
     std::unique_ptr<HalfDuplex> rs485_;    // nullptr: full duplex
     bool rs485_active_low_ = false;

@@ -109,7 +109,7 @@ TEST(FrameParser, expires_thousands_of_overdue_candidates_in_one_step) {
     line.put(Bytes(43000, ano::head));
     line.pass(50ms);
     EXPECT_FALSE(line.parser.expire(line.now));
-    line.pass(950ms);
+    line.pass(4800ms);    // 1 s and the time of 0xABAB bytes at 115200 baud
     EXPECT_TRUE(line.parser.expire(line.now));
     EXPECT_FALSE(line.parser.next());
     EXPECT_EQ(line.parser.waiting(), 0u);
@@ -210,6 +210,21 @@ TEST(FrameParser, gives_up_a_false_header_on_a_line_without_pauses_despite_the_f
     }
     EXPECT_LT(line.now - begin, 200ms + 350ms + 100ms) << "the time for 4000 bytes";
     EXPECT_GT(line.frames.size(), 10u);
+}
+
+// A camera behind a serial port server, whose connection shows no rate.
+TEST(FrameParser, waits_for_an_image_at_115200_baud_if_the_rate_is_unknown) {
+    Line line;
+    Bytes data(19'217);
+    const Bytes head{0, 120, 0, 160, 0};    // color, width, height
+    std::copy(head.begin(), head.end(), data.begin() + 2);
+    const Bytes frame = support::frame(0xDC, 0xFE, 0xB0, data);
+    for (std::size_t i = 0; i < frame.size(); i += 115) {
+        line.put(begin_of(rest_of(frame, i), std::min<std::size_t>(115, frame.size() - i)));
+        line.pass(10ms);
+        line.expire();
+    }
+    EXPECT_EQ(line.frames, Frames{frame});
 }
 
 // A camera behind a bridge that sends 512 bytes at a time.

@@ -173,6 +173,11 @@ TEST(Ports, whose_name_refers_to_the_twin_after_replugging_are_detected) {
     plug("3");
     open();
     EXPECT_EQ(watch.twin(), "") << "it was plugged into another socket, and is the only one";
+    EXPECT_TRUE(watch.awaits_twin());
+    plug_twin("1");
+    watch.look_for_twin(computer.root(), "/dev/serial/by-id/usb-1a86_USB_Serial-if00-port0");
+    EXPECT_EQ(watch.twin(), "/dev/ttyUSB1") << "it is the twin, and the first one returns";
+    EXPECT_FALSE(watch.awaits_twin());
     plug("1");
     plug_twin("2");
     open();

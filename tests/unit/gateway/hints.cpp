@@ -96,6 +96,22 @@ TEST(Hint, corrupted_frames_and_v7_frames_are_reported_above_one_in_ten) {
     EXPECT_EQ(find_hint(link).id, "v7_frames_only") << "a link of a kind without the key protocol";
 }
 
+TEST(Hint, about_corrupted_frames_ends_when_a_hundred_valid_ones_follow) {
+    LinkFigures link = line_that_sent(100);
+    link.received.bad_check = 1000;
+    link.received.skipped_bytes = 20'000;
+    link.v7_frames = 1000;
+    link.frames_since_skipped = 99;
+    EXPECT_EQ(find_hint(link).id, "v7_frames_only");
+    link.frames_since_skipped = 100;
+    EXPECT_EQ(hint(link), "");
+    link.v7_frames = 0;
+    link.frames_since_skipped = 0;
+    EXPECT_EQ(find_hint(link).id, "many_damaged");
+    link.frames_since_skipped = 100;
+    EXPECT_EQ(hint(link), "");
+}
+
 TEST(Hint, for_v7_frames_proposes_the_keys_with_the_device_guessed_from_the_last_bytes) {
     LinkFigures link = line_that_sent(0);
     link.may_use_v7 = true;

@@ -145,6 +145,10 @@ TEST(Csv, fields_without_a_column_are_in_the_data_of_the_frame) {
     ASSERT_FALSE(first.add({.id = 0xF1, .fields = {{"a", ano::Type::u8, 1, ""}}}));
     ASSERT_FALSE(then.add({.id = 0xF1, .fields = {{"a", ano::Type::u8, 1, ""}, {"cells", ano::Type::u8, 1, "V", 2}}}));
     CsvWriter csv{0xF1, {&first}};
+    EXPECT_TRUE(csv.has_columns_for(first));
+    EXPECT_FALSE(csv.has_columns_for(then));
+    EXPECT_TRUE((CsvWriter{0xF1, {&then}}.has_columns_for(first)));
+    EXPECT_TRUE((CsvWriter{0xF2, {&first}}.has_columns_for(then))) << "of another message";
     std::string out;
     csv.write(recorded(support::frame(5, 0xFE, 0xF1, {7})), out);
     EXPECT_TRUE(out.ends_with(",7,,\n")) << out;

@@ -81,7 +81,8 @@ std::string places(const std::vector<std::string>& files) {
     return files.size() > max_named ? text + ", \u2026" : text;
 }
 
-/// Writes OUT-MESSAGE.csv for each message, or one file if only one message is wanted.
+/// Writes OUT-MESSAGE.csv for each message, or one file if only one message is wanted. If its layout changes, another table with
+/// the columns of the new one follows: OUT-MESSAGE-2.csv.
 class CsvTarget final : public Target {
 public:
     CsvTarget(std::string out, bool one, bool force, const ano::JsonOptions& options, Streams& streams)
@@ -90,7 +91,7 @@ public:
     void use(const DecodingPtr& decoding) override {
         decodings_.push_back(decoding);    // all are kept: the tables refer to them
         options_.flexible = &decoding->layouts();
-        for (const auto& [id, file] : files_) file->csv.use(decoding->layouts());
+        for (const auto& [id, tables] : files_) tables.back()->use(decoding->layouts());
     }
     void read_as(ano::Encoding encoding) override { options_.encoding = encoding; }
     void accept(const Recorded& item, const RecordingHead&) override {
@@ -102,11 +103,12 @@ public:
         file.to.write_if(batch);
     }
     void end() override {
-        for (const auto& [id, file] : files_) file->to.write_if(0);
+        for (const auto& [id, tables] : files_) tables.back()->to.write_if(0);
     }
     std::vector<std::string> files() const override {
         std::vector<std::string> all;
-        for (const auto& [id, file] : files_) all.push_back(file->to.path());
+        for (const auto& [id, tables] : files_)
+            for (const auto& file : tables) all.push_back(file->to.path());
         return all;
     }
 
@@ -114,19 +116,39 @@ private:
     struct File {
         anogate::CsvWriter csv;
         Collected to;
+        bool lacks_columns = false;    // for the next frame
+
+        void use(const ano::FlexibleLayouts& layouts) {
+            csv.use(layouts);
+            lacks_columns = !csv.has_columns_for(layouts);
+        }
     };
 
     File& file_of(std::uint8_t id) {
-        auto& file = files_[id];
-        if (file) return *file;
-        file.reset(new File{anogate::CsvWriter{id, options_}, {one_ ? out_ : path_of(id), force_, streams_}});
-        file->csv.write_heading(file->to.bytes);
-        return *file;
+        auto& tables = files_[id];
+        if (!tables.empty() && !may_be_followed(*tables.back())) return *tables.back();
+        if (!tables.empty()) tables.back()->to.write_if(0);
+        tables.push_back(std::unique_ptr<File>{
+            new File{anogate::CsvWriter{id, options_}, {path_of(id, tables.size() + 1), force_, streams_}}});
+        tables.back()->csv.write_heading(tables.back()->to.bytes);
+        return *tables.back();
     }
-    std::string path_of(std::uint8_t id) const {
+    // Standard output is one table: values without a column are only in its frame_data.
+    bool may_be_followed(File& table) {
+        if (!table.lacks_columns || out_ != "-") return table.lacks_columns;
+        table.lacks_columns = false;
+        print_note(streams_,
+                   "the layout changes in this recording: values without a column are only in frame_data; to get a table "
+                   "for each layout, write into a file");
+        return false;
+    }
+    std::string path_of(std::uint8_t id, std::size_t number) const {
+        if (out_ == "-") return out_;
+        const std::string end = (number > 1 ? "-" + std::to_string(number) : "") + ".csv";
+        const std::string stem = out_.substr(0, out_.size() - std::string_view{".csv"}.size());
+        if (one_) return number > 1 ? stem + end : out_;
         const ano::Message* message = ano::find_message(id);
-        const std::string name = message != nullptr ? std::string{message->name} : ano::hex_byte(id);
-        return out_.substr(0, out_.size() - std::string_view{".csv"}.size()) + "-" + name + ".csv";
+        return stem + "-" + (message != nullptr ? std::string{message->name} : ano::hex_byte(id)) + end;
     }
 
     std::string out_;
@@ -134,7 +156,7 @@ private:
     ano::JsonOptions options_;
     Streams& streams_;
     std::vector<DecodingPtr> decodings_;
-    std::map<std::uint8_t, std::unique_ptr<File>> files_;
+    std::map<std::uint8_t, std::vector<std::unique_ptr<File>>> files_;    // the last one is written to
 };
 
 class JsonTarget final : public Target {
