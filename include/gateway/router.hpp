@@ -52,6 +52,7 @@ public:
         bool teaches = true;              // sources of its frames are learned. False: a replay
         bool acts_for_others = false;     // its devices act on frames for any address
         bool may_have_devices = false;    // even if nothing was received on it: it does not wait for hosts
+        bool drops_copies = true;         // its devices recognise a frame that they receive a second time by another link
     };
 
     /// If a device was received on several channels, the ones on which it was received within this time get its frames.
@@ -240,8 +241,9 @@ private:
     void guard(Route& route, std::uint8_t destination) const noexcept;
     void to_links(Route& route, LinkSet links) const;
     void keep_homes(ChannelSet& channels, LinkSet links, ChannelSet homes) const noexcept;
-    void keep_one_of_each_group(Route& route, LinkId from, std::uint8_t its_group, std::uint8_t destination, TimePoint now) const;
-    LinkSet best_of(LinkSet group, ChannelSet able, TimePoint now) const;
+    void keep_one_of_each_group(Route& route, LinkId from, std::uint8_t its_group, std::uint8_t destination, ano::Intent intent,
+                                TimePoint now) const;
+    LinkSet best_of(LinkSet group, ChannelSet able, ano::Intent intent, TimePoint now) const;
     LinkSet links_beside(LinkId link) const noexcept;
     ChannelSet members(std::uint8_t group) const noexcept { return channels_of(groups_[group]) - apart_; }
     ChannelSet mates(ChannelId channel) const noexcept;

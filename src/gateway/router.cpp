@@ -187,7 +187,7 @@ Route Router::spread(ChannelId from, std::uint8_t source, std::uint8_t destinati
     if (source == destination && route.channels.empty() && route.absent.empty()) to_namesakes(route, source, from, intent);
     if (grouped_) {
         if (!apart_.contains(from)) heard_link_[index(link_of_[index(from)])] = now;
-        keep_one_of_each_group(route, link_of_[index(from)], group_of(from), destination, now);
+        keep_one_of_each_group(route, link_of_[index(from)], group_of(from), destination, intent, now);
     }
     guard(route, destination);
     return route;
@@ -196,7 +196,7 @@ Route Router::spread(ChannelId from, std::uint8_t source, std::uint8_t destinati
 Route Router::find(LinkId from, std::uint8_t destination, TimePoint now, ano::Intent intent) {
     Route route;
     decide(route, destination, intent, now);
-    if (grouped_) keep_one_of_each_group(route, from, links_[index(from)].group, destination, now);
+    if (grouped_) keep_one_of_each_group(route, from, links_[index(from)].group, destination, intent, now);
     guard(route, destination);
     return route;
 }
@@ -600,7 +600,7 @@ ChannelSet Router::mates(ChannelId channel) const noexcept {
 // A frame is sent to a group on one of its links. It is sent to the group it was received from only on the same link (to its
 // other peers). A port id always means that port.
 void Router::keep_one_of_each_group(Route& route, LinkId from, std::uint8_t its_group, std::uint8_t destination,
-                                    TimePoint now) const {
+                                    ano::Intent intent, TimePoint now) const {
     if (route.via == Via::port) return;
     if (its_group != 0) {
         route.channels -= members(its_group) - channels_of_link_[index(from)];
@@ -616,7 +616,7 @@ void Router::keep_one_of_each_group(Route& route, LinkId from, std::uint8_t its_
         if (group.empty() || number == its_group) continue;
         const ChannelSet all = members(number);
         if ((route.channels & all).empty() && (route.absent & group).empty()) continue;
-        const LinkSet best = best_of(group, all & willing, now);
+        const LinkSet best = best_of(group, all & willing, intent, now);
         ChannelSet chosen = channels_of(best) & all & willing;
         keep_homes(chosen, best, homes);
         route.channels = (route.channels - all) | chosen;
@@ -625,12 +625,14 @@ void Router::keep_one_of_each_group(Route& route, LinkId from, std::uint8_t its_
     }
 }
 
-// The link of a group on which a frame was received last, and which is up. If none was received lately, all links that are up.
-LinkSet Router::best_of(LinkSet group, ChannelSet able, TimePoint now) const {
+// The link of a group on which a frame was received last, and which is up. If none was received lately, all links that are up,
+// except for a frame that acts on devices that would execute it once for each link.
+LinkSet Router::best_of(LinkSet group, ChannelSet able, ano::Intent intent, TimePoint now) const {
     if (const ChannelSet up = able - down_; !up.empty()) able = up;
     LinkSet links;
     LinkId best{};
     TimePoint heard = TimePoint::min();
+    bool is_for_one = false;
     for (const LinkId link : group) {
         if ((channels_of_link_[index(link)] & able).empty()) continue;
         if (links.empty() || heard_link_[index(link)] > heard) {
@@ -638,8 +640,9 @@ LinkSet Router::best_of(LinkSet group, ChannelSet able, TimePoint now) const {
             heard = heard_link_[index(link)];
         }
         links.insert(link);
+        is_for_one = is_for_one || (intent == ano::Intent::acts && !links_[index(link)].drops_copies);
     }
-    return heard + group_silence > now ? LinkSet{best} : links;
+    return is_for_one || heard + group_silence > now ? LinkSet{best} : links;
 }
 
 }    // namespace anogate

@@ -7,8 +7,14 @@ ForwarderLink forwarder_link(const LinkSettings& s, std::uint8_t group, const st
     ForwarderLink link;
     const bool takes = !s.kind->replays;
     const bool is_for_programs = s.kind->listens || (s.kind->path != nullptr && s.kind->path(s).is_made);
-    link.route = {s.id,  takes && s.accepts_floods(), takes && s.accepts_broadcasts(), group,
-                  takes, s.profile == Profile::old,   takes && !is_for_programs};
+    link.route = {.port_id = s.id,
+                  .flood = takes && s.accepts_floods(),
+                  .broadcast = takes && s.accepts_broadcasts(),
+                  .group = group,
+                  .teaches = takes,
+                  .acts_for_others = s.profile == Profile::old,
+                  .may_have_devices = takes && !is_for_programs,
+                  .drops_copies = !uses_v7(s)};
     // The rate determines when the rest of a frame is overdue.
     link.parser = {s.max_data, line_rate_of(s).bytes_per_second, quiet_of(*s.kind), s.frame_gap.value_or(Duration{})};
     const FlushSizes flush = flush_sizes_of(s);

@@ -43,6 +43,20 @@ TEST_F(GroupedRouter, sends_to_all_members_until_one_has_received_a_frame) {
     expect(net.route(0, 0xFE, 0xDC), channels({1, 2}), Via::learned);
 }
 
+// Links 1 and 2 lead to a device that would execute a command once for each link.
+TEST(Router, a_command_to_a_silent_group_whose_devices_recognise_no_copies_is_sent_on_one_link) {
+    Net net{{}, {{}, {.group = 1, .drops_copies = false}, {.group = 1, .drops_copies = false}, {}}};
+    net.route(2, 0xDC, 0xFE);
+    net.now += Router::group_silence;
+    for (const std::uint8_t to : {std::uint8_t{0xDC}, std::uint8_t{0xFF}, std::uint8_t{60}}) {
+        const Route route = net->route(channel(0), 0xFE, to, net.now, ano::Intent::acts);
+        EXPECT_EQ((route.channels & channels({1, 2})), channels({2})) << int{to};
+    }
+    EXPECT_EQ(net->route(channel(0), 0xFE, 0xDC, net.now, ano::Intent::asks).channels, channels({1, 2})) << "both may answer";
+    net->went_down(channel(2));
+    EXPECT_EQ(net->route(channel(0), 0xFE, 0xDC, net.now, ano::Intent::acts).channels, channels({1}));
+}
+
 TEST_F(GroupedRouter, skips_a_member_that_is_down) {
     net.route(2, 0xDC, 0xFE);
     net->went_down(channel(2));
