@@ -60,7 +60,8 @@ struct PeerPort {
 /// A path in the file system, from the ADDRESS of a link.
 struct LinkPath {
     std::string path;
-    bool is_made = false;    // the link creates it; otherwise it opens an existing port
+    bool is_made = false;                     // the link creates it; otherwise it opens an existing port
+    std::string_view noun = "serial port";    // what it must be
 };
 
 /// The error for a resource that two links of one kind can't share: `what`, the other link, `rest`, as in "'device' '/dev/x' is

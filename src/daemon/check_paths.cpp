@@ -29,10 +29,12 @@ std::string fault_of_log(const std::string& path) {
     return there == fs::file_type::fifo ? std::string{"is a pipe"} + instead : "";
 }
 
-std::string fault_of_port(const std::string& device) {
-    const fs::file_type there = type_of(device);
-    if (there == fs::file_type::directory) return "is a folder; give the path of the port";
-    return there == fs::file_type::regular ? "is a regular file, not a serial port" : fault_of_by_id("/", device);
+std::string fault_of_device(const LinkPath& of) {
+    const fs::file_type there = type_of(of.path);
+    const std::string noun{of.noun};
+    if (there == fs::file_type::directory) return "is a folder; give the path of the " + noun;
+    if (there == fs::file_type::regular) return "is a regular file, not a " + noun + "; `anoctl ports` lists the devices";
+    return fault_of_by_id("/", of.path);
 }
 
 std::string fault_of_recording(const std::string& file) {
@@ -58,7 +60,7 @@ void warn(Draft& draft, const Origin& origin, std::string_view key, const std::s
 void warn_of_paths(Draft& draft) {
     for (const NamedPath& named : paths_of_links(draft)) {
         const std::string& path = named.path.path;
-        warn(draft, named.origin, named.key, path, named.path.is_made ? fault_of_pty(path) : fault_of_port(path));
+        warn(draft, named.origin, named.key, path, named.path.is_made ? fault_of_pty(path) : fault_of_device(named.path));
     }
     for (std::size_t i = 0; i < draft.settings.links.size(); ++i) {
         const LinkSettings& link = draft.settings.links[i];

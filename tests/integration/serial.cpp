@@ -322,6 +322,18 @@ TEST_P(AnyBaud, is_set_and_shown) {
 }
 INSTANTIATE_TEST_SUITE_P(SerialLink, AnyBaud, testing::Values(1200, 9600, 115200, 250000, 500000, 921600, 3333333, 5000000));
 
+TEST(HidLink, a_path_that_is_not_a_hidraw_device_is_reported_with_the_way_to_find_one) {
+    const TempDir dir;
+    std::ofstream{dir / "file"} << "notes";
+    RunningGateway daemon{settings_of_texts({"hid:" + (dir / "file") + ",name=file", "hid:/dev/null,name=null"})};
+    const auto error = [&](const std::string& name) { return daemon.link(name).value("error", ""); };
+    EXPECT_TRUE(daemon.until([&] { return !error("file").empty() && !error("null").empty(); }));
+    for (const std::string name : {"file", "null"})
+        EXPECT_NE(error(name).find(" is not a hidraw device with a byte stream; `anoctl ports` lists the devices"),
+                  std::string::npos)
+            << error(name);
+}
+
 TEST(SerialLink, a_path_that_is_not_a_serial_port_is_reported_with_the_reason) {
     const TempDir dir;
     std::ofstream{dir / "file"} << "notes";

@@ -53,7 +53,8 @@ Opened<UniqueFd> HidLink::open_wire() {
     if (::flock(fd.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) return NotOpened{device_in_use(*path)};
     const auto sizes = report_sizes_of(fd.get());
     if (!sizes)
-        return NotOpened{device_error("unusable", *path + " is not a HID device whose reports carry a byte stream", *path)};
+        return NotOpened{device_error(
+            "unusable", *path + " is not a hidraw device with a byte stream; `anoctl ports` lists the devices", *path)};
     if (auto opened = writer_.open(fd.get(), sizes->output); !opened)
         return NotOpened{device_error("unusable", *path + ": " + opened.error(), *path)};
     path_ = std::move(*path);
@@ -147,10 +148,7 @@ constinit const LinkKind hid_kind{
             return is_path(device) ? device.substr(device.rfind('/') + 1) : std::string{"hid"};
         },
     .has_uart = [](const LinkSettings&) { return true; },    // their parsers are those of serial ports
-    .path =
-        [](const LinkSettings& link) {
-            return LinkPath{link.as<HidSettings>().device, false};
-        },
+    .path = [](const LinkSettings& link) { return LinkPath{.path = link.as<HidSettings>().device, .noun = "hidraw device"}; },
     .validate = validate_hid,
     .shared = shared_hid,
     .meant_by =

@@ -220,10 +220,7 @@ constinit const LinkKind pty_kind{
             return path.substr(path.rfind('/') + 1);
         },
     .has_uart = [](const LinkSettings&) { return true; },    // such as a simulator in place of a device
-    .path =
-        [](const LinkSettings& link) {
-            return LinkPath{link.as<PtySettings>().path, true};
-        },
+    .path = [](const LinkSettings& link) { return LinkPath{.path = link.as<PtySettings>().path, .is_made = true}; },
     .validate = [](const LinkSettings& link, LinkFaults& faults) { check_v7(link.as<PtySettings>().v7, faults); },
     .shared = shared_path,
 };

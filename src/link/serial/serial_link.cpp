@@ -247,10 +247,7 @@ constinit const LinkKind serial_kind{
     .usual_name = name_of_port,
     .line_rate = rate_of_port,
     .has_uart = [](const LinkSettings&) { return true; },
-    .path =
-        [](const LinkSettings& link) {
-            return LinkPath{link.as<Serial>().device, false};
-        },
+    .path = [](const LinkSettings& link) { return LinkPath{.path = link.as<Serial>().device}; },
     .rs485 = &rs485,
     .validate = validate_serial,
     .shared = shared_port,

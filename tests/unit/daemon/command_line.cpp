@@ -126,8 +126,12 @@ TEST(CommandLine, a_check_warns_of_paths_that_cannot_be_created) {
     EXPECT_NE(warnings("pty:" + file).find("another file exists there"), std::string::npos);
     EXPECT_EQ(warnings("pty:" + there + "/app"), "");
     EXPECT_EQ(warnings("pty:/run/anogate/app"), "") << "that one is made";
-    EXPECT_NE(warnings("serial:" + there + ",baud=500000").find("': is a folder; give the path of the port"), std::string::npos);
+    EXPECT_NE(warnings("serial:" + there + ",baud=500000").find("': is a folder; give the path of the serial port"),
+              std::string::npos);
     EXPECT_NE(warnings("serial:" + file + ",baud=500000").find("': is a regular file, not a serial port"), std::string::npos);
+    EXPECT_NE(warnings("hid:" + file).find("': is a regular file, not a hidraw device; `anoctl ports` lists the devices"),
+              std::string::npos)
+        << warnings("hid:" + file);
     EXPECT_EQ(warnings("serial:/dev/null,baud=500000"), "");
     EXPECT_NE(warnings("serial:/dev/serial/by-id/usb-1a86_USB_Serial-if00-port0,baud=500000")
                   .find("': its adapter has no serial number, so after replugging this name may belong to another adapter"),
