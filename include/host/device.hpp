@@ -104,7 +104,7 @@ enum class Taken : std::uint8_t {
 /// compared.
 ///
 /// No parameter id is sent before the number of parameters is known, nor one at or beyond that number: some firmware crashes on
-/// it.
+/// it. An exception is a device that is asked by number, see ask_by_number().
 class Device {
 public:
     /// After this time without a frame it may be another device: its device info is discarded.
@@ -121,6 +121,10 @@ public:
     /// Queues a request. Returns false, and never calls `asker`, if no answer ends such a request, or its parameter does not
     /// exist. `asker` must live until its ended() or forget() was called.
     [[nodiscard]] bool ask(const Request& request, Asker& asker);
+    /// The device has no list of its parameters, but numbers, as those with protocol V7: while it reports 0 parameters, any id may
+    /// be sent.
+    void ask_by_number(bool yes) noexcept { has_numbers_ = yes; }
+    bool is_asked_by_number() const noexcept { return has_numbers_ && parameter_count_ == std::uint16_t{0}; }
     /// `asker` is not called any more; its waiting requests are not sent.
     void forget(const Asker& asker) noexcept;
 
@@ -313,6 +317,7 @@ private:
     std::uint8_t own_;
     std::optional<DeviceInfo> info_;
     std::optional<std::uint16_t> parameter_count_;
+    bool has_numbers_ = false;
     std::optional<std::uint16_t> command_count_;
     std::optional<TimePoint> heard_at_;
     std::optional<TimePoint> answered_at_;

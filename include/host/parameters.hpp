@@ -67,6 +67,10 @@ public:
         read(Values::named, now);
     }
 
+    /// To be called before reading values: the ids that are read if the device is asked by number (Device::ask_by_number()). Each is
+    /// then an i32 whose name is its id; those that the device does not have get no type.
+    void accept_unlisted(std::vector<std::uint16_t> ids) { unlisted_ = std::move(ids); }
+
     /// By id, from 0 without gaps; complete when the task is done. Descriptions that were not received have no name and no type.
     const std::vector<ParameterInfo>& descriptions() const noexcept { return descriptions_; }
     /// The bytes of the value as received; empty: not received.
@@ -102,6 +106,8 @@ private:
     bool compared(std::uint16_t id, FrameView answer);
     bool recall();
     void read_again(TimePoint now);
+    bool is_unlisted() const noexcept { return device().is_asked_by_number() && !unlisted_.empty(); }
+    void ask_unlisted(TimePoint now);
     bool accept_value(std::uint16_t id, FrameView answer);
     void ask_named(TimePoint now);
 
@@ -130,6 +136,7 @@ private:
     std::size_t at_least_ = 0;             // the minimum number of parameters that is_wanted_ selects
     std::vector<std::uint16_t> wanted_;    // by id
     std::vector<std::uint16_t> named_;     // the ids of names_ and wanted_
+    std::vector<std::uint16_t> unlisted_;
     bool from_cache_ = false;
     bool compares_anyway_ = false;
     bool compares_ = false;    // they are from an earlier run, or the device may be another one since

@@ -41,6 +41,7 @@ struct DeviceLimits {
     std::optional<ano::Encoding> encoding{};          // of its texts; std::nullopt: detected from them
     bool expects_gbk = false;                         // its link has profile=vendor
     std::size_t max_data = ano::vendor_max_data;      // maximum bytes of DATA in a frame to it
+    bool by_number = false;                           // Device::ask_by_number()
 };
 
 /// Why a frame is not sent, as a clause for the user; empty: it is sent, or may be sent at the next attempt.

@@ -55,7 +55,7 @@ void Device::enqueue(Exchange exchange) {
 
 bool Device::may_be_asked(FrameView request) const noexcept {
     const auto parameter = parameter_in(request);
-    return !parameter || (parameter_count_ && *parameter < *parameter_count_);
+    return !parameter || is_asked_by_number() || (parameter_count_ && *parameter < *parameter_count_);
 }
 
 void Device::forget(const Asker& asker) noexcept {

@@ -73,7 +73,7 @@ void ParameterWrite::set_before(Bytes value, std::uint32_t doubts) {
 void ParameterWrite::go_on(TimePoint now) {
     const auto count = device().parameter_count();
     if (!count) return ask(question::parameter_count(ask_count), now);
-    if (info_.id >= *count)
+    if (info_.id >= *count && !device().is_asked_by_number())
         return finish({Ending::invalid, hex_of(device().address()) + " has no parameter " + std::to_string(info_.id), {}}, now);
     if (device().doubts() != doubts_) return ask_description(now);
     if (step_ == write_value) return write(now);
@@ -108,6 +108,10 @@ void ParameterWrite::ended(const Ended& ended, TimePoint now) {
     case recount:
         if (!answered) return finish_silent("number of parameters", ended.evidence, now);
         if (count_ && device().parameter_count() != count_) return finish_another(was_sent_ ? order() : std::string{}, now);
+        if (device().is_asked_by_number()) {    // nothing describes it
+            doubts_ = device().doubts();
+            return go_on(now);
+        }
         return ask(question::parameter_info(info_.id, describe), now);
     case describe: return answered ? described(ended, now) : finish_silent("description of " + info_.name, ended.evidence, now);
     case write_value: return written(ended, now);

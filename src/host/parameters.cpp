@@ -9,7 +9,8 @@
 namespace ano::host {
 namespace {
 
-constexpr std::size_t older_size = 4;    // of every value of an older device
+constexpr std::size_t older_size = 4;               // of every value of an older device
+constexpr std::int32_t no_parameter = INT32_MIN;    // the value of an unused number in protocol V7
 
 // A value that is shorter than its type is not usable. A text may be empty.
 bool is_usable(std::size_t size, std::optional<Type> type) noexcept {
@@ -26,7 +27,7 @@ void Parameters::read(Values values, TimePoint now) {
 void Parameters::start(TimePoint now) {
     checks_ = 0;
     compares_ = differs_ = false;
-    const bool may_be_known = cache_ != nullptr && !started_again_ && values_wanted_ != Values::all;
+    const bool may_be_known = cache_ != nullptr && !started_again_ && values_wanted_ != Values::all && !is_unlisted();
     const auto key = may_be_known ? key_of(device(), device().parameter_count(), now) : std::nullopt;
     if (const auto* const known = key ? cache_->find(*key) : nullptr) return start_known(*known, now);
     ask(question::device_info(ask_info), now);
@@ -77,6 +78,7 @@ void Parameters::counted(TimePoint now) {
     doubts_ = device().doubts();
     signs_ = device().signs();
     descriptions_.clear();
+    if (is_unlisted()) return ask_unlisted(now);
     const auto* known = cache_ == nullptr ? nullptr
                                           : cache_->find({device().address(), device().presence(), *device().info(), *count_});
     if (known != nullptr && !is_certain(now)) known = nullptr;
@@ -110,6 +112,18 @@ void Parameters::read_again(TimePoint now) {
     started_again_ = true;
     if (cache_ != nullptr) cache_->forget(device().address());
     start(now);
+}
+
+void Parameters::ask_unlisted(TimePoint now) {
+    from_cache_ = false;
+    asks_ = Asks::named_values;
+    named_ = unlisted_;
+    const std::size_t end = std::size_t{*std::max_element(named_.begin(), named_.end())} + 1;
+    descriptions_.resize(end);
+    values_.assign(end, {});
+    for (const std::uint16_t id : named_)
+        descriptions_[id] = ParameterInfo{.id = id, .type = Type::i32, .name = std::to_string(id)};
+    gather(named_.size(), now);
 }
 
 // Called when the descriptions are known: selects the values to be read.
@@ -172,6 +186,10 @@ bool Parameters::accept_value(std::uint16_t id, FrameView answer) {
     const auto view = as<"parameter_value">(answer);
     if (!view) return false;
     const std::size_t size = view->get<"value">().size();
+    if (is_unlisted() && size == sizeof no_parameter && load<std::int32_t>(view->get<"value">().data()) == no_parameter) {
+        descriptions_[id] = {};
+        return true;
+    }
     if (!is_usable(size, descriptions_[id].type) && (from_cache_ || size != older_size)) return false;
     values_[id].assign(view->get<"value">().begin(), view->get<"value">().end());
     return true;
@@ -198,7 +216,7 @@ void Parameters::counted_again(TimePoint now) {
     if (changed) return finish({Ending::failed, hex_of(device().address()) + " changes while its parameters are read", {}}, now);
     if (lacking)
         return finish({Ending::incomplete, "parameter " + std::to_string(*lacking) + " was not received completely", {}}, now);
-    if (cache_ != nullptr && !from_cache_)
+    if (cache_ != nullptr && !from_cache_ && !is_unlisted())
         cache_->store({device().address(), presence_, *device().info(), *count_}, descriptions_, signs_);
     finish({}, now);
 }

@@ -481,6 +481,7 @@ DeviceLimits GatewayDevices::device_limits(std::uint8_t address) {
         device_limits.expects_gbk = device_limits.expects_gbk || link.profile == Profile::vendor;
         if (const auto stated = link.stated_type_7()) device_limits.value_type_7 = stated;
         if (link.encoding) device_limits.encoding = encoding_of(*link.encoding);
+        device_limits.by_number = device_limits.by_number || uses_v7(link);
         device_limits.max_data = std::min<std::size_t>(device_limits.max_data, link.effective_max_data_out());
     }
     return device_limits;

@@ -131,6 +131,27 @@ TEST_P(AnyLoss, parameters_are_read_and_written) {
     }
 }
 
+TEST_P(AnyLoss, parameters_without_a_table_are_read_and_written_by_number) {
+    for (std::uint64_t seed = 0; seed < support::trials(5); ++seed) {
+        SCOPED_TRACE(seed);
+        V7Line line{seed, {}, GetParam()};
+        ano::host::Parameters some{line.host};
+        line.host.ask_by_number(true);
+        some.accept_unlisted({151, 9999, 162});
+        some.read_numbered({}, line.now);
+        ASSERT_EQ(line.run(some), Ending::done) << some.end()->what;
+        for (const std::uint16_t number : {std::uint16_t{151}, std::uint16_t{162}}) {
+            ASSERT_TRUE(some.value(number)) << number;
+            EXPECT_EQ(std::get<std::int64_t>(*some.value(number)), line.device().parameter(number));
+        }
+        EXPECT_FALSE(some.descriptions()[9999].type) << "the device has no such number";
+        ano::host::ParameterWrite write{line.host, some.descriptions()[151], std::int64_t{77}, {}};
+        write.start(line.now);
+        ASSERT_EQ(line.run(write), Ending::done) << write.end()->what;
+        EXPECT_EQ(line.device().parameter(151), 77);
+    }
+}
+
 TEST_P(AnyLoss, each_command_is_described_and_sent_as_often_as_the_host_sends_it) {
     int done = 0, calls = 0;
     for (std::uint64_t seed = 0; seed < support::trials(3); ++seed) {

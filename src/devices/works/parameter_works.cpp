@@ -55,10 +55,21 @@ protected:
     }
     /// Reads the values of the parameters with these names or numbers.
     void read_called(const std::vector<std::string>& words, bool to_write, TimePoint now) {
+        place().device.ask_by_number(place().net.device_limits(place().device.address()).by_number);
         parameters_ = &next(std::make_unique<Parameters>(place().device, &place().cache));
         if (to_write) parameters_->compare_anyway();
+        parameters_->accept_unlisted(numbers_in(words));
         parameters_->read_where([this, words](const ano::host::ParameterInfo& one) { return is_called(one, words); }, now,
                                 words.size());
+    }
+    static std::vector<std::uint16_t> numbers_in(const std::vector<std::string>& words) {
+        std::vector<std::uint16_t> numbers;
+        for (const std::string& word : words) {
+            std::uint16_t number = 0;
+            const auto [rest, fault] = std::from_chars(word.data(), word.data() + word.size(), number);
+            if (fault == std::errc{} && rest == word.data() + word.size()) numbers.push_back(number);
+        }
+        return numbers;
     }
     bool is_called(const ano::host::ParameterInfo& one, const std::vector<std::string>& words) const {
         const std::string display_text = texts().display_text(one.name), id = std::to_string(one.id);
@@ -104,7 +115,7 @@ protected:
         ano::host::Found found = named(all, word);
         if (found.parameter == nullptr && !found.several)
             for (const ano::host::ParameterInfo& one : all)
-                if (std::to_string(one.id) == word) found.parameter = &one;
+                if ((one.type || !one.name.empty()) && std::to_string(one.id) == word) found.parameter = &one;
         if (found.several) finish(ambiguous(word, all));
         else if (found.parameter == nullptr) finish(work_fault(404, "unknown parameter " + ano::in_quotes(word)));
         return found.parameter;
@@ -180,7 +191,9 @@ private:
         if (!end_->error.empty()) tail["incomplete"] = end_->error;
         finish(text_->ended(std::move(*end_), tail));
     }
-    bool is_wanted(const ano::host::ParameterInfo& row) const { return !order_.words || is_called(row, *order_.words); }
+    bool is_wanted(const ano::host::ParameterInfo& row) const {
+        return !order_.words || (is_called(row, *order_.words) && (row.type || !row.name.empty()));
+    }
     // Ends with the last parameter received: a device may report thousands that do not exist.
     std::size_t rows_that_came() const {
         const auto& all = rows();

@@ -588,6 +588,16 @@ TEST(Device, an_id_at_or_beyond_the_count_is_never_sent) {
     EXPECT_FALSE(fresh.ask(question::parameter_value(0, 0), host.listener)) << "the count is not known";
 }
 
+TEST(Device, that_is_asked_by_number_gets_any_id_while_it_reports_no_parameters) {
+    Host host;
+    host.device.ask_by_number(true);
+    EXPECT_FALSE(host.device.ask(question::parameter_value(256, 0), host.listener)) << "it reports some";
+    host.take(0xE0, {1, 0, 0}, start);
+    EXPECT_TRUE(host.device.ask(question::parameter_value(256, 0), host.listener));
+    host.device.ask_by_number(false);
+    EXPECT_FALSE(host.device.ask(question::parameter_value(256, 0), host.listener));
+}
+
 TEST(Device, does_not_send_a_waiting_request_beyond_a_reduced_count) {
     Host host;
     host.ask_value(5);

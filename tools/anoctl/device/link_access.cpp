@@ -39,6 +39,7 @@ anogate::DeviceLimits device_limits_of(const anogate::LinkSettings& settings) {
     device_limits.value_type_7 = settings.stated_type_7();
     if (settings.encoding)
         device_limits.encoding = *settings.encoding == anogate::TextEncoding::gbk ? ano::Encoding::gbk : ano::Encoding::utf8;
+    device_limits.by_number = uses_v7(settings);
     device_limits.max_data = std::min<std::size_t>(device_limits.max_data, settings.effective_max_data_out());
     return device_limits;
 }

@@ -140,11 +140,22 @@ private:
         DeviceClient client{options, streams};
         client.will_act();
         const Json described = checked_descriptions(client, wanted);
+        if (described.empty()) {    // protocol V7 has no list, so nothing can be checked before
+            for (const Assignment& one : wanted) set_one(client, one, streams);
+            return fine;
+        }
         if (wanted.size() > 1) return set_all(client, wanted, described, streams);
-        show_set(client.run("PUT", client.target("/parameters/" + percent_encoded(wanted[0].name)),
-                            wanted_value(wanted[0].value).dump()),
-                 streams);
+        set_one(client, wanted[0], streams);
         return fine;
+    }
+    void set_one(DeviceClient& client, const Assignment& one, Streams& streams) const {
+        show_set(client.run("PUT", client.target("/parameters/" + percent_encoded(one.name)), wanted_value(one.value).dump()),
+                 streams);
+    }
+    static bool are_numbers(const std::vector<Assignment>& wanted) {
+        return std::all_of(wanted.begin(), wanted.end(), [](const Assignment& one) {
+            return !one.name.empty() && one.name.find_first_not_of("0123456789") == std::string::npos;
+        });
     }
     /// The descriptions of the wanted ones as read before, also by an earlier run, if the values fit them; otherwise all, as the
     /// device describes them now: an unknown name is compared with all names.
@@ -157,7 +168,7 @@ private:
             return at(known, "parameters");
         } catch (const Failure&) {}
         Json now = descriptions(client);
-        check(wanted, now);
+        if (!now.empty() || !are_numbers(wanted)) check(wanted, now);
         return now;
     }
     /// The key for /apply: its name, with its number if another parameter has that name or it has none.
