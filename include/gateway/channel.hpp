@@ -8,11 +8,23 @@
 #include <gateway/outbox.hpp>
 #include <gateway/question_queue.hpp>
 
+#include <chrono>
 #include <memory>
+#include <optional>
+#include <span>
 #include <string>
 #include <utility>
 
 namespace anogate {
+
+/// When a V7 link dropped such frames last; std::nullopt: never. For hints.
+struct V7Notes {
+    static constexpr ano::Duration reported_for = std::chrono::seconds{60};
+    using When = std::optional<ano::TimePoint>;
+    When echo{}, loop{}, command{};    // V7Counters::up_echo, up_loop, up_command
+
+    static bool is_recent(When when, ano::TimePoint now) noexcept { return when && now - *when < reported_for; }
+};
 
 struct Channel {
     Channel(ChannelId its_id, LinkId its_link, std::string its_peer, const ano::FrameParser::Options& of_parser,
@@ -32,6 +44,9 @@ struct Channel {
     AnswerWatch answers{};
     EchoWatch echo{};
     ReceiveCounters beside{};    // of further parsers: a CAN link has one per CAN id
+    V7Notes v7{};                // of a link with protocol V7
+    std::span<const std::uint8_t>
+        raw{};    // of such a link: the bytes on the wire of the frame that is received or sent just now
 
     std::unique_ptr<QuestionQueue> questions{};    // before the outbox of a device that accepts few questions at a time; nullptr:
                                                    // none

@@ -3,19 +3,17 @@
 #include <ano/frame.hpp>
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <span>
 
 namespace anogate {
 
-/// A hash of all bytes, in 64 bits: the same bytes always have the same key, and two different frames have the same key with a
-/// probability of 1 in 10^19. The check bytes are not enough for this: of the pairs of frames with the same header, 1 in 65,536
-/// has the same checks, and so does every pair in which three consecutive bytes differ by +1, -2 and +1. The hash is not
-/// cryptographic: two frames with the same key can be constructed.
-inline std::uint64_t frame_key(ano::FrameView frame) noexcept {
-    const std::uint8_t* bytes = frame.bytes().data();
-    const std::size_t size = frame.bytes().size();
-    static_assert(ano::overhead >= 8);
+/// A hash of 8 bytes or more, see frame_key().
+inline std::uint64_t key_of_bytes(std::span<const std::uint8_t> all) noexcept {
+    const std::uint8_t* bytes = all.data();
+    const std::size_t size = all.size();
     const auto word = [bytes](std::size_t at) {
         std::uint64_t value;
         std::memcpy(&value, bytes + at, sizeof value);
@@ -35,6 +33,15 @@ inline std::uint64_t frame_key(ano::FrameView frame) noexcept {
     }
     for (; at + 8 <= size; at += 8) hash = mix(hash, word(at));
     return mix(hash, word(size - 8));
+}
+
+/// A hash of all bytes, in 64 bits: the same bytes always have the same key, and two different frames have the same key with a
+/// probability of 1 in 10^19. The check bytes are not enough for this: of the pairs of frames with the same header, 1 in 65,536
+/// has the same checks, and so does every pair in which three consecutive bytes differ by +1, -2 and +1. The hash is not
+/// cryptographic: two frames with the same key can be constructed.
+inline std::uint64_t frame_key(ano::FrameView frame) noexcept {
+    static_assert(ano::overhead >= 8);
+    return key_of_bytes(frame.bytes());
 }
 
 }    // namespace anogate

@@ -62,7 +62,8 @@ struct LinkFigures {
     SendCounters sent;
     std::uint64_t came_stale = 0;    // the part of `sent.stale` that became stale while the gateway stood still
     std::uint64_t v7_frames = 0;
-    bool may_use_v7 = false;                 // it has the key `protocol`
+    bool may_use_v7 = false;                       // it has the key `protocol`
+    bool v7_loops = false, v7_commands = false;    // V7Counters::up_loop, up_command: lately
     std::string_view ring_out, ring_back;    // names of links: frames sent on the first return on the second; empty: no loop
     std::vector<std::uint8_t> skipped{};     // the last bytes outside of any frame, of one parser
     std::uint64_t gateways = 0;              // refused listening ports of other gateways

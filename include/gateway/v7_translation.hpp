@@ -8,6 +8,7 @@
 #include <ano/frame.hpp>
 #include <ano/time.hpp>
 #include <ano/v7.hpp>
+#include <gateway/v7_echo_watch.hpp>
 
 #include <array>
 #include <bitset>
@@ -82,6 +83,7 @@ struct V7Settings {
     std::vector<V7Parameter> parameters{};    // empty: hosts read and write parameters by number
     std::size_t max_data = 44;                // the largest DATA sent to the device; at most 255
     std::string name{};                       // in the device information; empty: after `address`
+    std::uint32_t line = 0;                   // a random number, see V7EchoWatch; 0: no probes are sent
 
     static std::bitset<256> default_down();
 };
@@ -93,11 +95,15 @@ struct V7Counters {
     std::uint64_t answered{};               // V8 frames made by the gateway: descriptions and, with V7Ack::sent, acknowledgements
     std::uint64_t merged{};                 // requests that their host repeated while the first waited
     std::uint64_t unanswered{};             // requests without an answer, after all repetitions
+    std::uint64_t forgotten{};              // acknowledgements that can't be assigned any more: too many were expected
     std::uint64_t up_no_counterpart{};      // the message does not exist in V8
     std::uint64_t up_no_address{};          // D_ADDR has no id in V8
     std::uint64_t up_malformed{};           // not the length of its message
     std::uint64_t up_unrepresentable{};     // a value that V8 can't represent, or no valid distance
     std::uint64_t up_unmatched{};           // an acknowledgement of no request
+    std::uint64_t up_echo{};                // a frame that was sent on this link
+    std::uint64_t up_loop{};                // a frame that was sent on another link of a gateway
+    std::uint64_t up_command{};             // a command or request, which no device sends
     std::uint64_t up_own_sensor{};          // of a host program: only devices send this message
     std::uint64_t up_erase{};               // of a host program: the command that erases the firmware of an LX IMU
     std::uint64_t up_queue_full{};          // of a host program: too many requests wait
@@ -108,7 +114,7 @@ struct V7Counters {
     std::uint64_t down_malformed{};         // not the length of its message
     std::uint64_t down_too_big{};           // more DATA than V7Settings::max_data
     std::uint64_t down_unrepresentable{};    // a value that V7 can't represent
-    std::uint64_t down_unmatched{};          // an acknowledgement of no command of the device
+    std::uint64_t down_unmatched{};          // an acknowledgement or answer, and nothing was requested
     std::uint64_t down_queue_full{};         // too many requests wait
     std::uint64_t down_other_device{};       // to a device: for another one; to a host program: not of the device that it sees
 };
@@ -125,11 +131,15 @@ inline constexpr V7CounterRow v7_counters[] = {
     {"v7_answered", &V7Counters::answered, "requests answered by the gateway instead of the device", false},
     {"v7_merged", &V7Counters::merged, "requests that their host repeated while the first waited", false},
     {"v7_unanswered", &V7Counters::unanswered, "requests that the device did not answer", false},
+    {"v7_forgotten", &V7Counters::forgotten, "acknowledgements not assigned: more than 32 commands within a second", false},
     {"v7_up_no_counterpart", &V7Counters::up_no_counterpart, "from the device: V8 has no such message"},
     {"v7_up_no_address", &V7Counters::up_no_address, "from the device: its destination has no id in V8"},
     {"v7_up_malformed", &V7Counters::up_malformed, "from the device: not the length of its message"},
     {"v7_up_unrepresentable", &V7Counters::up_unrepresentable, "from the device: a value that V8 cannot represent"},
     {"v7_up_unmatched", &V7Counters::up_unmatched, "from the device: an acknowledgement of no request"},
+    {"v7_up_echo", &V7Counters::up_echo, "sent on this link, and received again: the line echoes"},
+    {"v7_up_loop", &V7Counters::up_loop, "sent on another V7 link of a gateway, in a loop"},
+    {"v7_up_command", &V7Counters::up_command, "from the device: commands and requests, which no device sends"},
     {"v7_up_own_sensor", &V7Counters::up_own_sensor, "from a host program: messages that only devices send"},
     {"v7_up_erase", &V7Counters::up_erase, "from a host program: the command that erases the firmware"},
     {"v7_up_queue_full", &V7Counters::up_queue_full, "from a host program: too many requests wait for an answer"},
@@ -140,7 +150,7 @@ inline constexpr V7CounterRow v7_counters[] = {
     {"v7_down_malformed", &V7Counters::down_malformed, "to the device: not the length of its message"},
     {"v7_down_too_big", &V7Counters::down_too_big, "to the device: more DATA than v7_max"},
     {"v7_down_unrepresentable", &V7Counters::down_unrepresentable, "to the device: a value that V7 cannot represent"},
-    {"v7_down_unmatched", &V7Counters::down_unmatched, "to the device: an acknowledgement of none of its commands"},
+    {"v7_down_unmatched", &V7Counters::down_unmatched, "to the device: acknowledgements and answers that it did not request"},
     {"v7_down_queue_full", &V7Counters::down_queue_full, "to the device: too many requests wait for an answer"},
     {"v7_down_other_device", &V7Counters::down_other_device, "frames for or of devices other than v7_device"},
 };
@@ -207,6 +217,7 @@ protected:
         std::uint8_t asked = 0;    // the V8 id from which the answer comes
         std::uint8_t id = 0;
         ano::Checks checks{};
+        friend bool operator==(const Origin&, const Origin&) = default;
     };
     /// A sent frame whose acknowledgement is expected.
     struct Expected {
@@ -221,7 +232,8 @@ protected:
         std::array<Expected, 32> all{};
         std::size_t next = 0;
 
-        void add(const Expected& expected) noexcept;
+        /// False: it replaces one that is still expected.
+        bool add(const Expected& expected) noexcept;
         std::optional<Origin> take(std::uint8_t id, ano::Checks checks, ano::TimePoint now) noexcept;
     };
     struct Altitude {
@@ -232,6 +244,9 @@ protected:
 
     explicit V7LinkTranslation(V7Settings settings);
 
+    void expect(ExpectedAcks& acks, const Expected& expected) noexcept {
+        if (!acks.add(expected)) ++counters_.forgotten;
+    }
     void drop(Count count) noexcept {
         ++(counters_.*count);
         ++dropped_;
@@ -252,11 +267,14 @@ protected:
     V7Range range_;
     V7Counters counters_;
     std::uint64_t dropped_ = 0;
+    V7EchoWatch echoes_;
+    ano::TimePoint now_{};    // of the current call
     std::array<std::uint8_t, ano::overhead + 256> v8_{};
     std::array<std::uint8_t, ano::v7::max_frame_size> v7_{};
 };
 
-/// With a device at the other end of the link.
+/// With a device at the other end of the link. A device neither commands nor asks: frames of it that would are dropped, for they are
+/// echoes, or from the other end of a tapped line. Its remote control (0x40, 0x41) is passed to hosts only.
 ///
 /// Requests for data (parameters, waypoints) and writes are sent one at a time: the next is sent when the device answered or did
 /// not answer in time. Requests for data are repeated, and all are sent again when their host repeats them. A command (0xC0) is sent
@@ -301,6 +319,8 @@ private:
     std::uint8_t source_of(std::uint8_t v7_id) const noexcept { return V7LinkTranslation::source_of(v7_id, settings_.address); }
     bool is_own_id(std::uint8_t id) const noexcept;
     bool is_for_device(std::uint8_t destination) const noexcept;
+    /// Counts a frame that was sent by a gateway.
+    bool has_returned(ano::v7::FrameView frame) noexcept;
     std::uint8_t receiver(std::uint8_t asked, std::uint8_t v7_id) const noexcept;
     Origin origin_of(ano::FrameView frame) const noexcept;
 
@@ -320,7 +340,7 @@ private:
     // down: each function that sends to the device ends in send_down()
     void send_down(Data frame, V7Output& output);
     void send_down(std::uint8_t v8_destination, std::uint8_t id, Data data, V7Output& output) override;
-    void check_down(Data data, ano::TimePoint now, V7Output& output);
+    void send_probe(V7Output& output);
     void command_down(const Origin& origin, Data data, ano::TimePoint now, V7Output& output);
     void waypoint_down(const Origin& origin, Data data, ano::TimePoint now, V7Output& output);
     void parameter_command_down(const Origin& origin, Data data, ano::TimePoint now, V7Output& output);
@@ -343,9 +363,11 @@ private:
     void ask(const Origin& origin, std::uint8_t v7_id, Data data, std::uint16_t subject, std::uint16_t index, ano::TimePoint now,
              V7Output& output);
     bool has_waiting(const Origin& origin) const noexcept;
-    bool may_be_sent_again(const Origin& origin, ano::TimePoint now) const noexcept;
+    /// The place of an equal request in the queue.
+    std::optional<std::size_t> find_equal(const Origin& origin, const Request& request) const noexcept;
+    bool may_be_sent_again(ano::TimePoint now) const noexcept;
     Request& queued(std::size_t i) noexcept { return queue_[(first_ + i) % queue_.size()]; }
-    Request& push(const Origin& origin, std::uint8_t v7_id, Data data) noexcept;
+    Request request_of(const Origin& origin, std::uint8_t v7_id, Data data, std::uint16_t subject) const noexcept;
     void remove_first() noexcept;
     void begin_next(ano::TimePoint now, V7Output& output);
     void send_request(ano::TimePoint now, V7Output& output);
@@ -354,6 +376,7 @@ private:
         return in_flight_ && queue_[first_].id() == v7_id && queue_[first_].subject == subject;
     }
     bool asks_for_data(const Request& request) const noexcept { return request.id() == 0xE1 || request.id() == 0x60; }
+    static bool is_of_waypoints(const Request& request) noexcept { return request.id() == 0x60 || request.id() == 0x61; }
 
     Altitude alt_bar_, alt_fu_;
     std::vector<float> as_written_;    // by place in the table: the real number that a host wrote last; NaN: none
@@ -362,7 +385,6 @@ private:
     std::uint8_t versions_of_ = 0;
 
     ExpectedAcks to_host_;                            // acknowledgements of the device, of requests of hosts
-    ExpectedAcks to_device_;                          // acknowledgements of hosts, of commands of the device
     std::array<Request, max_waiting + 1> queue_{};    // a ring
     std::size_t first_ = 0, size_ = 0;
     bool in_flight_ = false;    // the first one was sent

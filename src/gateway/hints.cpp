@@ -219,7 +219,14 @@ Hint trouble(const LinkFigures& link, bool with_details) {
     if (Hint hint = trouble_in(link, with_details); !hint.id.empty()) return hint;
     if (!link.ring_back.empty()) return ring(link);    // first: its copies look like one device on two links
     if (link.shared != SharedSource::none) return shared(link);
+    if (link.v7_loops)
+        return {"v7_loop",
+                "the other end of this line is a V7 link of a gateway, not a device: disconnect it, or set v7_role=host"};
     if (link.echoes) return {"echo", "the line echoes sent frames: disable the receiver while sending, or ignore this"};
+    if (link.v7_commands)
+        return {"v7_commands",
+                "commands and requests received here are dropped, since V7 devices send none: if a host program is at the other "
+                "end, set v7_role=host"};
     if (link.answers_for_others) return old_device(*link.answers_for_others);
     if (link.not_sent) return unknown_device(*link.not_sent);
     if (link.nobody) return no_address(*link.nobody);

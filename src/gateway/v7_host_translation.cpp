@@ -51,6 +51,7 @@ std::size_t put_number(std::int32_t number, ano::Type type, double scale, std::u
 void V7HostTranslation::reset() noexcept {
     alt_bar_ = {};
     to_host_ = {};
+    echoes_.reset();
     types_ = {};
     first_ = size_ = 0;
     in_flight_ = is_written_ = false;
@@ -62,6 +63,8 @@ void V7HostTranslation::reset() noexcept {
 void V7HostTranslation::up(v7::FrameView frame, ano::TimePoint now, V7Output& output) {
     const std::uint8_t id = frame.id();
     const Data data = frame.data();
+    now_ = now;
+    if (echoes_.is_back(frame, now)) return drop(&V7Counters::up_echo);
     if (is_of_own_sensor(id)) return drop(&V7Counters::up_own_sensor);
     if (id == 0x00) return drop(&V7Counters::up_unmatched);
     if (v7::table::is_new_in_v8(id)) return drop(&V7Counters::up_no_counterpart);
@@ -101,7 +104,7 @@ void V7HostTranslation::rebuild_up(v7::FrameView frame, V7Output& output) {
 void V7HostTranslation::send_acknowledged(const Origin& origin, std::uint8_t id, Data data, ano::TimePoint now,
                                           V7Output& output) {
     const ano::FrameView sent = send_up(origin.host, origin.asked, id, data, output);
-    to_host_.add({id, sent.checks(), origin, now, true});
+    expect(to_host_, {id, sent.checks(), origin, now, true});
 }
 
 void V7HostTranslation::command_up(const Origin& origin, Data data, ano::TimePoint now, V7Output& output) {
@@ -140,6 +143,7 @@ std::optional<std::uint16_t> V7HostTranslation::index_of(std::uint16_t number) c
 
 void V7HostTranslation::down(ano::FrameView frame, ano::TimePoint now, V7Output& output) {
     const Data data = frame.data();
+    now_ = now;
     if (frame.source() != settings_.address) return drop(&V7Counters::down_other_device);
     if (data.empty()) return drop(&V7Counters::down_malformed);
     switch (frame.id()) {
@@ -162,8 +166,10 @@ std::uint8_t V7HostTranslation::receiver(std::uint8_t v8_destination) const noex
 
 void V7HostTranslation::send_down(std::uint8_t v8_destination, std::uint8_t id, Data data, V7Output& output) {
     if (data.size() > settings_.max_data) return drop(&V7Counters::down_too_big);
+    const v7::FrameView frame{Data{v7_}.first(v7::encode(v7_, receiver(v8_destination), id, data))};
     ++counters_.down;
-    output.to_device(v7::FrameView{Data{v7_}.first(v7::encode(v7_, receiver(v8_destination), id, data))});
+    echoes_.sent(frame, now_);
+    output.to_device(frame);
 }
 
 // DATA with the size of V7's layout, which V8 has as variants of 0x02, 0x05, 0x08 and 0x34, stay as they are.
@@ -299,13 +305,16 @@ double V7HostTranslation::scale_of(std::uint16_t index, ano::Type type) const no
 }
 
 void V7HostTranslation::ask(const Request& request, ano::TimePoint now, V7Output& output) {
-    for (std::size_t i = 0; i < size_; ++i) {
+    for (std::size_t i = size_; i-- > 0;) {
         const Request& waiting = queue_[(first_ + i) % queue_.size()];
-        if (waiting.origin.id != request.origin.id || waiting.origin.checks != request.origin.checks) continue;
-        // The host program repeats the write in flight: the device may not have received the first.
-        if (i == 0 && is_written_) send_request(now, output);
-        else ++counters_.merged;
-        return;
+        const bool has_value = is_write(request) && waiting.value == request.value;
+        if (waiting.origin == request.origin) {
+            // The host program repeats the write in flight: the device may not have received the first.
+            if (i == 0 && is_written_) send_request(now, output);
+            else ++counters_.merged;
+            return;
+        }
+        if (is_write(waiting) && waiting.index == request.index && !has_value) break;    // the order of the two counts
     }
     if (size_ == queue_.size()) return drop(&V7Counters::up_queue_full);
     queue_[(first_ + size_++) % queue_.size()] = request;
@@ -364,6 +373,7 @@ void V7HostTranslation::end_request(ano::TimePoint now, V7Output& output) {
 }
 
 void V7HostTranslation::expire(ano::TimePoint now, V7Output& output) {
+    now_ = now;
     if (!in_flight_ || now < due_) return;
     if (!is_written_ && times_sent_ < settings_.repeats) {
         send_request(now, output);

@@ -10,7 +10,7 @@ namespace anogate {
 struct V7Command {
     std::array<std::uint8_t, 3> id;
     std::array<std::uint8_t, 3> types;    // of its values, as in 0xC2: 1 u8, 3 u16, 6 i32; 0: none
-    std::string_view name;                // at most 20 bytes
+    std::string_view name;                // as V8 devices name it, at most 20 bytes
     std::string_view info;
 };
 

@@ -3,6 +3,7 @@
 #include <gateway/v7_translation.hpp>
 
 #include <ano/address.hpp>
+#include <ano/conversation.hpp>
 #include <ano/wire.hpp>
 
 #include <algorithm>
@@ -27,7 +28,8 @@ std::bitset<256> V7Settings::default_down() {
 V7LinkTranslation::V7LinkTranslation(V7Settings settings)
     : settings_{std::move(settings)},
       acc_{settings_.acc.value_or(usual_acceleration(settings_.address))},
-      range_{settings_.range.value_or(settings_.address == 0xDE ? V7Range::flow : V7Range::lx)} {
+      range_{settings_.range.value_or(settings_.address == 0xDE ? V7Range::flow : V7Range::lx)},
+      echoes_{settings_.line} {
     settings_.max_data = std::min(settings_.max_data, v7::max_len);
     settings_.repeats = std::max(settings_.repeats, 1u);
 }
@@ -77,9 +79,11 @@ void V7LinkTranslation::ranging_down(std::uint8_t v8_destination, Data data, V7O
     for_each_distance(range_, data, send, [&] { drop(&V7Counters::down_unrepresentable); });
 }
 
-void V7LinkTranslation::ExpectedAcks::add(const Expected& expected) noexcept {
+bool V7LinkTranslation::ExpectedAcks::add(const Expected& expected) noexcept {
+    const bool replaces = all[next].waits && expected.at - all[next].at < memory;
     all[next] = expected;
     next = (next + 1) % all.size();
+    return !replaces;
 }
 
 // The oldest one that matches.
@@ -107,7 +111,7 @@ void V7Translation::reset() noexcept {
     last_frame_.reset();
     versions_ = {};
     to_host_ = {};
-    to_device_ = {};
+    echoes_.reset();
     first_ = size_ = 0;
     in_flight_ = false;
     times_sent_ = 0;
@@ -120,11 +124,22 @@ bool V7Translation::is_own_id(std::uint8_t id) const noexcept {
 
 // --- From the device
 
+bool V7Translation::has_returned(v7::FrameView frame) noexcept {
+    const V7EchoWatch::Returned returned = echoes_.judge(frame, now_);
+    if (returned == V7EchoWatch::Returned::no) return false;
+    drop(returned == V7EchoWatch::Returned::echo ? &V7Counters::up_echo : &V7Counters::up_loop);
+    return true;
+}
+
 void V7Translation::up(v7::FrameView frame, ano::TimePoint now, V7Output& output) {
+    now_ = now;
+    if (has_returned(frame)) return;
     last_frame_ = now;
     const Data data = frame.data();
     switch (frame.id()) {
     case 0x00: return check_up(frame, now, output);
+    case 0xE0:
+    case 0xE1: return drop(&V7Counters::up_command);
     case 0xE2: return parameter_up(frame, now, output);
     case 0x60:
     case 0x61:
@@ -134,18 +149,16 @@ void V7Translation::up(v7::FrameView frame, ano::TimePoint now, V7Output& output
     }
     if (v7::table::is_new_in_v8(frame.id())) return drop(&V7Counters::up_no_counterpart);
     if (data.empty()) return drop(&V7Counters::up_malformed);
-    const std::uint8_t destination = v8_address_of(frame.destination());
+    std::uint8_t destination = v8_address_of(frame.destination());
     if (destination == 0) return drop(&V7Counters::up_no_address);
-    const std::uint8_t source = source_of(frame.id());
-    if (frame.id() == 0xE0) {
-        if (data.size() < 3) return drop(&V7Counters::up_malformed);
-        const ano::FrameView sent = send_up(source, destination, 0xC0, data, output);
-        return to_device_.add({0xC0, sent.checks(), {destination, source, 0xE0, frame.checks()}, now, true});
+    if (ano::is_for_devices(frame.id()) && !ano::address::is_host(destination)) {
+        if (frame.id() != 0x40 && frame.id() != 0x41) return drop(&V7Counters::up_command);
+        destination = ano::address::host;
     }
+    const std::uint8_t source = source_of(frame.id());
     if (v7::is_same_in_v8(frame.id())) send_up(source, destination, frame.id(), data, output);
     else if (const std::size_t size = rebuild_up(frame, now, v8_.data() + ano::header_size))
-        send_up(source, destination, frame.id() == 0xE1 ? std::uint8_t{0xE0} : frame.id(), {v8_.data() + ano::header_size, size},
-                output);
+        send_up(source, destination, frame.id(), {v8_.data() + ano::header_size, size}, output);
 }
 
 // Writes the DATA in V8 and returns their size. 0: the frame was dropped and counted.
@@ -172,10 +185,6 @@ std::size_t V7Translation::rebuild_up(v7::FrameView frame, ano::TimePoint now, s
         unchanged();
         ano::store(data, static_cast<float>(ano::load<std::int32_t>(v7.data())));
         return v7.size();
-    case 0xE1:
-        data[0] = 2;
-        std::copy(v7.begin(), v7.end(), data + 1);
-        return 3;
     default: drop(&V7Counters::up_no_counterpart); return 0;
     }
 }
@@ -230,8 +239,10 @@ void V7Translation::check_up(v7::FrameView frame, ano::TimePoint now, V7Output& 
     if (!origin) return drop(&V7Counters::up_unmatched);
     const std::uint8_t acknowledged[]{origin->id, origin->checks.sum, origin->checks.add};
     send_up(origin->asked, origin->host, 0x00, acknowledged, output);
-    if (in_flight_ && queue_[first_].id() == data[0] && v7::FrameView{queue_[first_].frame()}.checks() == checks)
+    if (in_flight_ && queue_[first_].id() == data[0] && v7::FrameView{queue_[first_].frame()}.checks() == checks) {
+        echoes_.answered(v7::FrameView{queue_[first_].frame()}, now);
         end_request(now, output);
+    }
 }
 
 void V7Translation::parameter_up(v7::FrameView frame, ano::TimePoint now, V7Output& output) {
@@ -248,9 +259,6 @@ void V7Translation::parameter_up(v7::FrameView frame, ano::TimePoint now, V7Outp
     const auto index = index_of(number, source);
     if (!index) return drop(&V7Counters::up_no_counterpart);
     send_parameter({ano::address::host, source, 0, {}}, *index, value, output);
-    const std::size_t size = ano::overhead + 6;
-    to_device_.add(
-        {0xE1, ano::FrameView{{v8_.data(), size}}.checks(), {ano::address::host, source, 0xE2, frame.checks()}, now, true});
 }
 
 // Without a table the index is the number.

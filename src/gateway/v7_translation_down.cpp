@@ -62,6 +62,7 @@ bool V7Translation::is_for_device(std::uint8_t destination) const noexcept {
 void V7Translation::down(ano::FrameView frame, ano::TimePoint now, V7Output& output) {
     const std::uint8_t id = frame.id();
     const Data data = frame.data();
+    now_ = now;
     if (is_of_own_sensor(id)) return drop(&V7Counters::down_own_sensor);
     if (has_no_counterpart(id)) return drop(&V7Counters::down_no_counterpart);
     if (!settings_.down[id == 0xC1 ? 0xC0 : id]) return drop(&V7Counters::down_not_allowed);
@@ -69,7 +70,7 @@ void V7Translation::down(ano::FrameView frame, ano::TimePoint now, V7Output& out
     if (data.empty()) return drop(&V7Counters::down_malformed);
     const Origin origin = origin_of(frame);
     switch (id) {
-    case 0x00: return check_down(data, now, output);
+    case 0x00: return drop(&V7Counters::down_unmatched);    // the device sent no command
     case 0x32: return position_down(origin.asked, data, output);
     case 0x34: return ranging_down(origin.asked, data, output);
     case 0x60:
@@ -88,21 +89,22 @@ void V7Translation::send_down(Data bytes, V7Output& output) {
     const v7::FrameView frame{bytes};
     if (is_of_own_sensor(frame.id())) return drop(&V7Counters::down_own_sensor);
     if (frame.id() == 0xE0 && erases_firmware(frame.data())) return drop(&V7Counters::down_erase);
+    if (!V7EchoWatch::asks_or_acts(frame.id())) send_probe(output);
     ++counters_.down;
+    echoes_.sent(frame, now_);
     output.to_device(frame);
+}
+
+void V7Translation::send_probe(V7Output& output) {
+    const auto probe = echoes_.next_probe(now_);
+    if (!probe) return;
+    ++counters_.down;
+    output.to_device(*probe);
 }
 
 void V7Translation::send_down(std::uint8_t v8_destination, std::uint8_t id, Data data, V7Output& output) {
     if (data.size() > settings_.max_data) return drop(&V7Counters::down_too_big);
     send_down(Data{v7_}.first(v7::encode(v7_, receiver(v8_destination, id), id, data)), output);
-}
-
-void V7Translation::check_down(Data data, ano::TimePoint now, V7Output& output) {
-    if (data.size() < 3) return drop(&V7Counters::down_malformed);
-    const auto of_device = to_device_.take(data[0], {data[1], data[2]}, now);
-    if (!of_device) return drop(&V7Counters::down_unmatched);
-    const std::uint8_t check[]{of_device->id, of_device->checks.sum, of_device->checks.add};
-    send_down(of_device->asked, 0x00, check, output);
 }
 
 // Not one of the requests that wait for each other: an emergency stop is sent at once.
@@ -114,7 +116,7 @@ void V7Translation::command_down(const Origin& origin, Data data, ano::TimePoint
     std::copy(data.begin(), data.end(), command.begin());
     const std::size_t size = v7::encode(v7_, receiver(origin.asked, 0xE0), 0xE0, command);
     const v7::FrameView frame{Data{v7_}.first(size)};
-    if (settings_.ack == V7Ack::device) to_host_.add({0xE0, frame.checks(), origin, now, true});
+    if (settings_.ack == V7Ack::device) expect(to_host_, {0xE0, frame.checks(), origin, now, true});
     send_down(frame.bytes(), output);
     if (settings_.ack == V7Ack::sent) acknowledge(origin, output);
 }
@@ -273,9 +275,9 @@ void V7Translation::describe_device(const Origin& origin, ano::TimePoint now, V7
         const auto number = static_cast<std::uint16_t>(first_version + i);
         std::uint8_t bytes[2];
         ano::store(bytes, number);
-        Request& request = push(origin, 0xE1, bytes);
-        request.subject = number;
+        Request request = request_of(origin, 0xE1, bytes, number);
         request.is_own = true;
+        queued(size_++) = request;
     }
     begin_next(now, output);
 }
@@ -315,26 +317,34 @@ void V7Translation::send_device_info(const Origin& origin, V7Output& output) {
 
 bool V7Translation::has_waiting(const Origin& origin) const noexcept {
     for (std::size_t i = 0; i < size_; ++i) {
-        const Origin& waiting = queue_[(first_ + i) % queue_.size()].origin;
-        if (waiting.host == origin.host && waiting.asked == origin.asked && waiting.id == origin.id &&
-            waiting.checks == origin.checks)
-            return true;
+        if (queue_[(first_ + i) % queue_.size()].origin == origin) return true;
     }
     return false;
 }
 
-// The host's repetition of the request in flight: to send it again does no harm, and the line may have lost the first.
-bool V7Translation::may_be_sent_again(const Origin& origin, ano::TimePoint now) const noexcept {
-    if (!in_flight_ || times_sent_ >= max_sends) return false;
-    const Origin& sent = queue_[first_].origin;
-    return sent.host == origin.host && sent.asked == origin.asked && sent.id == origin.id && sent.checks == origin.checks &&
-           now - (due_ - settings_.repeat_interval) >= host_interval;
+// To merge two writes of a parameter with another value between them would leave the device with that value.
+std::optional<std::size_t> V7Translation::find_equal(const Origin& origin, const Request& request) const noexcept {
+    for (std::size_t i = size_; i-- > 0;) {
+        const Request& waiting = queue_[(first_ + i) % queue_.size()];
+        if (waiting.origin == origin) return i;
+        const bool is_of_same = waiting.subject == request.subject && waiting.origin.asked == origin.asked &&
+                                is_of_waypoints(waiting) == is_of_waypoints(request);
+        const bool changes_it = !asks_for_data(waiting) && !std::ranges::equal(waiting.frame(), request.frame());
+        if (is_of_same && changes_it) return std::nullopt;
+    }
+    return std::nullopt;
 }
 
-V7Translation::Request& V7Translation::push(const Origin& origin, std::uint8_t v7_id, Data data) noexcept {
-    Request& request = queued(size_++);
-    request = {};
+// The host's repetition of the request in flight: to send it again does no harm, and the line may have lost the first.
+bool V7Translation::may_be_sent_again(ano::TimePoint now) const noexcept {
+    return in_flight_ && times_sent_ < max_sends && now - (due_ - settings_.repeat_interval) >= host_interval;
+}
+
+V7Translation::Request V7Translation::request_of(const Origin& origin, std::uint8_t v7_id, Data data,
+                                                 std::uint16_t subject) const noexcept {
+    Request request;
     request.origin = origin;
+    request.subject = subject;
     request.size = static_cast<std::uint8_t>(v7::encode(request.bytes, receiver(origin.asked, v7_id), v7_id, data));
     return request;
 }
@@ -342,15 +352,15 @@ V7Translation::Request& V7Translation::push(const Origin& origin, std::uint8_t v
 void V7Translation::ask(const Origin& origin, std::uint8_t v7_id, Data data, std::uint16_t subject, std::uint16_t index,
                         ano::TimePoint now, V7Output& output) {
     if (data.size() > settings_.max_data) return drop(&V7Counters::down_too_big);
-    if (may_be_sent_again(origin, now)) return send_request(now, output);
-    if (has_waiting(origin)) {
+    Request request = request_of(origin, v7_id, data, subject);
+    if (const auto equal = find_equal(origin, request)) {
+        if (*equal == 0 && may_be_sent_again(now)) return send_request(now, output);
         ++counters_.merged;
         return;
     }
     if (size_ == queue_.size()) return drop(&V7Counters::down_queue_full);
-    Request& request = push(origin, v7_id, data);
-    request.subject = subject;
     request.index = index;
+    queued(size_++) = request;
     begin_next(now, output);
 }
 
@@ -369,7 +379,7 @@ void V7Translation::send_request(ano::TimePoint now, V7Output& output) {
     ++times_sent_;
     due_ = now + settings_.repeat_interval;
     if (!asks_for_data(request) && settings_.ack == V7Ack::device)
-        to_host_.add({request.id(), v7::FrameView{request.frame()}.checks(), request.origin, now, true});
+        expect(to_host_, {request.id(), v7::FrameView{request.frame()}.checks(), request.origin, now, true});
     send_down(request.frame(), output);
 }
 
@@ -389,6 +399,7 @@ void V7Translation::end_request(ano::TimePoint now, V7Output& output, std::optio
 }
 
 void V7Translation::expire(ano::TimePoint now, V7Output& output) {
+    now_ = now;
     if (!in_flight_ || now < due_) return;
     const Request& request = queue_[first_];
     if (asks_for_data(request) && times_sent_ < settings_.repeats) return send_request(now, output);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <random>
 #include <utility>
 
 namespace anogate {
@@ -15,8 +16,10 @@ ano::v7::FrameParser::Options parser_options(const LinkSettings& link) {
 }
 
 std::unique_ptr<V7LinkTranslation> translation_for(const V7LinkSettings& v7) {
-    if (v7.role == V7Role::host) return std::make_unique<V7HostTranslation>(v7.translation());
-    return std::make_unique<V7Translation>(v7.translation());
+    V7Settings settings = v7.translation();
+    settings.line = std::random_device{}();
+    if (v7.role == V7Role::host) return std::make_unique<V7HostTranslation>(std::move(settings));
+    return std::make_unique<V7Translation>(std::move(settings));
 }
 
 }    // namespace
@@ -32,19 +35,33 @@ void V7Edge::to_device(ano::v7::FrameView frame) { unsent_.insert(unsent_.end(),
 
 void V7Edge::from_device(ano::FrameView frame) {
     received_.insert(received_.end(), frame.bytes().begin(), frame.bytes().end());
-    ++frames_;
+    received_.insert(received_.end(), raw_.begin(), raw_.end());
 }
 
 void V7Edge::translate_received() {
     const TimePoint now = context_.host.now();
-    while (const auto frame = parser_.next()) translation_->up(*frame, now, *this);
+    while (const auto frame = parser_.next()) {
+        raw_ = frame->bytes();
+        translation_->up(*frame, now, *this);
+    }
+    raw_ = {};
+    if (translation_->dropped() != noted_drops_) note_drops(now);
+}
+
+void V7Edge::note_drops(TimePoint now) {
+    const V7Counters& is = translation_->counters();
+    if (is.up_echo != noted_.up_echo) channel_->v7.echo = now;
+    if (is.up_loop != noted_.up_loop) channel_->v7.loop = now;
+    if (is.up_command != noted_.up_command) channel_->v7.command = now;
+    noted_ = is;
+    noted_drops_ = translation_->dropped();
 }
 
 // The gateway may send on this link meanwhile, which fills received_ again.
 void V7Edge::pass_on() {
     const ano::v7::ParserCounters& c = parser_.counters();
     ReceiveCounters& counters = channel_->beside;
-    counters.frames_in = frames_;
+    counters.frames_in = c.frames_in;
     counters.bytes_in = c.bytes_in;
     counters.bad_check = c.bad_check;
     counters.bad_length = c.bad_length;
@@ -53,9 +70,12 @@ void V7Edge::pass_on() {
     passed_on_.swap(received_);
     for (std::span<const std::uint8_t> rest{passed_on_}; !rest.empty();) {
         const ano::FrameView frame = *ano::frame_at(rest);
+        rest = rest.subspan(frame.bytes().size());
+        if (!rest.empty() && rest[0] == ano::v7::head) channel_->raw = rest.first(ano::v7::overhead + rest[3]);
+        rest = rest.subspan(channel_->raw.size());
         if (calls_.receive) calls_.receive(frame);
         else context_.host.receive(*channel_, frame);
-        rest = rest.subspan(frame.bytes().size());
+        channel_->raw = {};
     }
     passed_on_.clear();
 }
@@ -99,9 +119,12 @@ void V7Edge::reset() noexcept {
 
 void V7Edge::take(Outbox& outbox, ano::FrameView frame, TimePoint now) {
     const std::uint64_t before = translation_->dropped();
+    const std::size_t unsent = unsent_.size();
     translation_->down(frame, now, *this);
+    channel_->raw = std::span{unsent_}.subspan(unsent);
     if (translation_->dropped() == before) outbox.sent_frame();
     else outbox.drop_frame(&SendCounters::denied_out);
+    channel_->raw = {};
     set_alarm();
 }
 

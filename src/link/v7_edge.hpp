@@ -59,6 +59,7 @@ private:
     void to_device(ano::v7::FrameView frame) override;
     void from_device(ano::FrameView frame) override;
     void translate_received();
+    void note_drops(TimePoint now);
     void pass_on();
     void set_alarm();
     void ring();
@@ -71,9 +72,11 @@ private:
     Channel* channel_ = nullptr;
     Alarm alarm_;
     std::vector<std::uint8_t> unsent_;
-    std::vector<std::uint8_t> received_;     // V8 frames that are not passed on yet
+    std::span<const std::uint8_t> raw_{};    // the frame that is being translated
+    std::vector<std::uint8_t> received_;     // V8 frames that are not passed on yet; behind each, the V7 frame if it has one
     std::vector<std::uint8_t> passed_on_;    // those that are being passed on
-    std::uint64_t frames_ = 0;               // V8 frames passed on
+    V7Counters noted_{};                     // when frames were dropped last
+    std::uint64_t noted_drops_ = 0;
 };
 
 /// The protocol and the counters, for the status.

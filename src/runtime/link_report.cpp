@@ -193,7 +193,9 @@ LinkReport report_of(const Gateway& gateway, const LinkState& state, TimePoint n
         const Channel& channel = gateway.channel(id);
         add(f.received, channel.received());
         add(f.sent, channel.sent());
-        f.echoes = f.echoes || channel.echo.echoes(now);
+        f.echoes = f.echoes || channel.echo.echoes(now) || V7Notes::is_recent(channel.v7.echo, now);
+        f.v7_loops = f.v7_loops || V7Notes::is_recent(channel.v7.loop, now);
+        f.v7_commands = f.v7_commands || V7Notes::is_recent(channel.v7.command, now);
         f.v7_frames += channel.parser.counters().v7_frames;
         add_skipped(f, channel.parser);
         if (channel.parser.counters().skipped_bytes > 0)

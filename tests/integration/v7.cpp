@@ -1,4 +1,8 @@
 // Links with protocol=v7: a scripted device with the previous protocol version, and a V8 host with UDP.
+#include <ano/hex.hpp>
+#include <gateway/frame_record.hpp>
+#include <support/controlled_gateway.hpp>
+#include <support/process.hpp>
 #include <support/pty_device.hpp>
 #include <support/running_gateway.hpp>
 #include <support/tcp_peer.hpp>
@@ -22,7 +26,7 @@ using namespace std::chrono_literals;
 using namespace support;
 using Frames = std::vector<Bytes>;
 
-constexpr std::uint8_t host = 0xFE, imu = 0xDD;
+constexpr std::uint8_t host = 0xFE, imu = 0xDD, flow = 0xDE;
 const std::string v7_keys = ",name=fc,protocol=v7,v7_device=0xDD,v7_params=lx";
 
 /// The V7 frames at the beginning of `bytes`, which must consist of whole frames.
@@ -202,6 +206,14 @@ private:
     Wire& wire_;
 };
 
+/// Other frames, such as repeated requests, may come before it.
+bool comes(RunningGateway& gateway, const std::function<Frames()>& read, const Bytes& expected) {
+    return gateway.until([&] {
+        const Frames all = read();
+        return std::find(all.begin(), all.end(), expected) != all.end();
+    });
+}
+
 Bytes acknowledged(std::uint8_t source, const Bytes& request) {
     const std::size_t end = request.size();
     return frame(source, host, 0x00, {request[3], request[end - 2], request[end - 1]});
@@ -226,7 +238,8 @@ TYPED_TEST(V7Link, telemetry_arrives_as_v8_also_between_garbage) {
     EXPECT_EQ(line.host_got(3),
               (Frames{frame(imu, 0xFF, 0x03, attitude), frame(imu, host, 0x32, {100, 0, 0, 0, 200, 0, 0, 0, 44, 1, 0, 0}),
                       frame(imu, 0xFF, 0x7A, {1})}));
-    EXPECT_EQ(line.gateway->count("fc", "frames_in"), 3u);
+    const auto first = line.count("v7_up_no_counterpart");    // of a peer, see first_of_a_peer
+    EXPECT_EQ(line.gateway->count("fc", "frames_in"), 3u + static_cast<unsigned>(first)) << "frames on the wire";
     EXPECT_GE(line.gateway->count("fc", "bad_check"), 1u);
     EXPECT_GT(line.gateway->count("fc", "skipped_bytes"), 0u);
     EXPECT_EQ(line.gateway->link("fc").at("protocol"), "v7");
@@ -300,12 +313,134 @@ TYPED_TEST(V7Link, the_gateway_acknowledges_for_a_device_that_never_does) {
     EXPECT_EQ(line.host_got(), Frames{acknowledged(imu, command)});
 }
 
+TEST(V7Links, frames_have_their_bytes_on_the_wire_for_a_watcher_that_asks_for_them) {
+    SerialWire wire;
+    UdpPeer ground;
+    ControlledGateway controlled{{wire.link() + v7_keys, ground.link("ground")}};
+    RunningGateway& gateway = controlled.gateway;
+    ASSERT_TRUE(gateway.until_up("fc") && gateway.until_up("ground"));
+    MessageClient raw{controlled, "/frames?raw&link=fc"}, usual{controlled, "/frames?link=fc"};
+    MessageClient binary{controlled, "/frames?raw&link=fc&format=binary"};
+    const Bytes telemetry = v7_frame(0xFF, 0x03, attitude);
+    const Bytes sent = v7_frame(0xFF, 0xE0, {0x10, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0});
+    const auto lines = [](const MessageClient& client, const std::string& word) {
+        return std::count_if(client.texts().begin(), client.texts().end(),
+                             [&](const std::string& text) { return text.find(word) != std::string::npos; });
+    };
+    EXPECT_TRUE(gateway.until([&] { return usual.is_open() && raw.is_open() && !binary.texts().empty(); }));
+    wire.write(telemetry);
+    ASSERT_TRUE(ground.send(gateway.port("ground"), frame(host, imu, 0xC0, {0x10, 0, 1})));
+    EXPECT_TRUE(gateway.until([&] {
+        return lines(raw, "\"raw\":\"" + ano::hex(telemetry) + '"') == 1 && lines(raw, "\"raw\":\"" + ano::hex(sent) + '"') == 1;
+    })) << raw.texts().size();
+    EXPECT_TRUE(gateway.until([&] { return lines(usual, "\"direction\":\"out\"") == 1; }));
+    EXPECT_EQ(lines(usual, "\"raw\""), 0);
+    EXPECT_TRUE(gateway.until([&] {
+        std::string all;
+        for (const std::string& message : binary.messages()) all += message;
+        std::vector<Bytes> found;
+        for (std::string_view rest = all; const auto record = anogate::next_record(rest);)
+            found.emplace_back(record->raw.begin(), record->raw.end());
+        const auto has = [&](const Bytes& v7) { return std::find(found.begin(), found.end(), v7) != found.end(); };
+        return has(telemetry) && has(sent);
+    }));
+}
+
 TEST(V7Links, a_device_that_uses_v8_is_named) {
     SerialWire wire;
     RunningGateway gateway{settings_of_texts({wire.link() + v7_keys})};
     ASSERT_TRUE(gateway.until_up("fc"));
     for (int n = 0; n < 20; ++n) wire.write(frame(imu, host, 0x03, Bytes(7)));
     EXPECT_TRUE(gateway.until([&] { return gateway.link("fc")["hint_id"] == "no_v7_frames"; })) << gateway.link("fc");
+}
+
+TEST(V7Links, answers_of_the_gateway_are_not_counted_as_received) {
+    SerialWire wire;
+    Line line{wire};
+    line.ask(frame(host, imu, 0xE0, {1, 0, 0}));
+    EXPECT_EQ(line.host_got().size(), 1u);
+    EXPECT_EQ(line.count("v7_answered"), 1);
+    EXPECT_EQ(line.gateway->count("fc", "frames_in"), 0u);
+}
+
+// A half-duplex adapter that returns what is sent, and a tapped line between an MCU and an IMU.
+TEST(V7Links, a_command_that_returns_or_passes_on_the_line_reaches_no_other_device) {
+    SerialWire wire;
+    SerialWire other;
+    UdpPeer ground;
+    RunningGateway gateway{settings_of_texts(
+        {wire.link() + v7_keys, other.link() + ",name=other,protocol=v7,v7_device=0xDC", ground.link("ground")})};
+    ASSERT_TRUE(gateway.until_up("fc") && gateway.until_up("other") && gateway.until_up("ground"));
+    const auto until = [&](const char* counter, std::int64_t count) {
+        return gateway.until([&] { return gateway.link("fc").at(counter) == count; });
+    };
+    Bytes sent;
+    ASSERT_TRUE(ground.send(gateway.port("ground"), frame(host, imu, 0xC0, {0x10, 0, 1})));
+    EXPECT_TRUE(gateway.until([&] {
+        sent = std::move(sent) + wire.read();
+        return !sent.empty();
+    }));
+    wire.write(sent);
+    EXPECT_TRUE(until("v7_up_echo", 1));
+    EXPECT_TRUE(gateway.until([&] { return gateway.link("fc")["hint_id"] == "echo"; })) << gateway.link("fc");
+    wire.write(v7_frame(0xFF, 0xE0, {0x10, 0, 5, 0, 0, 0, 0, 0, 0, 0, 0}) + v7_frame(0x60, 0xE1, {11, 0}) +
+               v7_frame(0xFF, 0x61, Bytes(22)) + v7_frame(0xFF, 0x40, Bytes(20)) + v7_frame(0xFF, 0x03, attitude));
+    EXPECT_TRUE(until("v7_up_command", 3));
+    EXPECT_TRUE(comes(
+        gateway, [&] { return ground.frames(); }, frame(imu, 0xFF, 0x03, attitude)));
+    gateway.run_for(300ms);
+    EXPECT_EQ(other.read(), Bytes{});
+    EXPECT_TRUE(gateway.counters_add_up());
+}
+
+TEST(V7Links, a_line_with_commands_of_others_is_named) {
+    SerialWire wire;
+    RunningGateway gateway{settings_of_texts({wire.link() + v7_keys})};
+    ASSERT_TRUE(gateway.until_up("fc"));
+    wire.write(v7_frame(0xFF, 0xE0, {0x10, 0, 5, 0, 0, 0, 0, 0, 0, 0, 0}));
+    EXPECT_TRUE(gateway.until([&] { return gateway.link("fc")["hint_id"] == "v7_commands"; })) << gateway.link("fc");
+}
+
+TEST(V7Links, nothing_circulates_between_two_links_that_are_connected_with_each_other) {
+    const TempDir dir;
+    UdpPeer ground;
+    RunningGateway gateway{
+        settings_of_texts({"pty:" + (dir / "line") + ",name=a,protocol=v7,v7_device=0xDD",
+                           "serial:" + (dir / "line") + ",pace=off,name=b,protocol=v7,v7_device=0xDC", ground.link("ground")})};
+    ASSERT_TRUE(gateway.until_up("a") && gateway.until_up("b") && gateway.until_up("ground"));
+    constexpr unsigned sent = 20;
+    for (std::uint8_t n = 0; n < sent; ++n) {
+        ASSERT_TRUE(ground.send(gateway.port("ground"), frame(flow, n % 2 == 0 ? 0xFF : imu, 0xF1, {n, 1, 2})));
+        ASSERT_TRUE(ground.send(gateway.port("ground"), frame(host, imu, 0xC0, {0x10, 0, n})));
+        gateway.run_for(10ms);
+    }
+    gateway.run_for(1s);
+    const auto out = [&] { return gateway.count("a", "frames_out") + gateway.count("b", "frames_out"); };
+    const auto before = out();
+    EXPECT_LE(before, 5u * sent) << "of each frame one on each link, and one more round";
+    gateway.run_for(1s);
+    EXPECT_EQ(out(), before);
+    EXPECT_EQ(gateway.link("b")["hint_id"], "v7_loop") << gateway.link("b");
+}
+
+// A device that two links of a group lead to, both silent.
+TEST(V7Links, a_command_to_a_silent_group_is_sent_on_one_link) {
+    SerialWire one, two;
+    UdpPeer ground;
+    const std::string keys = ",protocol=v7,v7_device=0xDD,group=imu";
+    RunningGateway gateway{
+        settings_of_texts({one.link() + ",name=one" + keys, two.link() + ",name=two" + keys, ground.link("ground")})};
+    ASSERT_TRUE(gateway.until_up("one") && gateway.until_up("two") && gateway.until_up("ground"));
+    for (const std::uint8_t to : {imu, std::uint8_t{0xFF}})
+        ASSERT_TRUE(ground.send(gateway.port("ground"), frame(host, to, 0xC0, {0x10, 0, 1})));
+    Bytes all;
+    const auto read = [&] {
+        all = std::move(all) + one.read() + two.read();
+        return v7_frames(all).size();
+    };
+    EXPECT_TRUE(gateway.until([&] { return read() >= 2; }));
+    gateway.run_for(200ms);
+    EXPECT_EQ(read(), 2u);
 }
 
 TEST(V7Links, a_device_plugged_in_again_has_no_requests_of_before) {
@@ -337,14 +472,6 @@ TEST(V7Links, a_device_plugged_in_again_has_no_requests_of_before) {
 // --- v7_role=host: the wire leads to a V7 host program, and `ground` is a V8 device
 
 const std::string host_keys = ",name=fc,protocol=v7,v7_role=host,v7_device=0xDD,v7_params=lx";
-
-/// Other frames, such as repeated requests, may come before it.
-bool comes(RunningGateway& gateway, const std::function<Frames()>& read, const Bytes& expected) {
-    return gateway.until([&] {
-        const Frames all = read();
-        return std::find(all.begin(), all.end(), expected) != all.end();
-    });
-}
 
 TYPED_TEST(V7Link, a_v7_host_program_sees_commands_and_sets_a_v8_device) {
     Line line{this->wire, host_keys};
@@ -413,6 +540,31 @@ TEST(V7Links, a_v7_host_program_uses_a_v7_device_through_v8) {
     }));
     peer.send(v7_frame(0x60, 0xE1, {151, 0}));
     EXPECT_TRUE(gets([](const auto& f) { return f.id() == 0xE2 && f.data()[0] == 151 && f.data()[2] == 77; }));
+}
+
+// One gateway is the V7 device of another, which has no table of its parameters.
+TEST(V7Links, anoctl_reads_and_writes_parameters_by_number) {
+    const TempDir dir;
+    const std::string unit_socket = dir / "unit.sock", socket = dir / "control.sock";
+    Daemon unit{ANOGATED, unit_socket, {"sim:lx,name=lx", "tcp-listen:127.0.0.1:0" + host_keys}};
+    ASSERT_TRUE(unit.until_up("fc"));
+    Daemon daemon{
+        ANOGATED, socket, {"tcp:127.0.0.1:" + std::to_string(unit.port("fc")) + ",name=imu,protocol=v7,v7_device=0xDD"}};
+    ASSERT_TRUE(daemon.until([&](const nlohmann::json&) { return daemon.count("imu", "frames_in") > 0; }));
+    const auto ran = [&](const std::string& words) {
+        Shell shell{ANOCTL " param " + words + " --device 0xDD --yes --control " + socket + " 2>&1"};
+        const int exit = shell.wait();
+        return std::pair{exit, shell.output()};
+    };
+    EXPECT_EQ(ran("set 151 77"), (std::pair{0, std::string{"151=77\n"}}));
+    EXPECT_EQ(ran("get 151"), (std::pair{0, std::string{"151=77\n"}}));
+    EXPECT_EQ(ran("set 151=78 152=5"), (std::pair{0, std::string{"151=78\n152=5\n"}}));
+    EXPECT_EQ(ran("get 152 151"), (std::pair{0, std::string{"152=5\n151=78\n"}}));
+    const auto [exit, words] = ran("get 9999");
+    EXPECT_EQ(exit, 1);
+    EXPECT_NE(words.find("'9999'"), std::string::npos) << words;
+    EXPECT_NE(ran("set 9999 1").first, 0);
+    EXPECT_EQ(ran("list").first, 0);
 }
 
 /// Peers of a listening link, and a host.

@@ -74,6 +74,16 @@ TEST(Hint, a_line_that_echoes_is_reported) {
     EXPECT_EQ(find_hint(link).id, "echo");
 }
 
+TEST(Hint, frames_of_another_gateway_and_commands_on_a_v7_line_are_reported) {
+    LinkFigures link = line_that_sent(100);
+    link.v7_commands = true;
+    EXPECT_EQ(find_hint(link).id, "v7_commands");
+    link.echoes = true;
+    EXPECT_EQ(find_hint(link).id, "echo");
+    link.v7_loops = true;
+    EXPECT_EQ(find_hint(link).id, "v7_loop");
+}
+
 TEST(Hint, for_contradictory_orientations_names_the_attitude_key) {
     LinkFigures link = line_that_sent(0);
     link.contradictory = 0xDD;

@@ -152,7 +152,7 @@ TEST(V7HostTranslation, keeps_the_data_of_messages_that_are_the_same) {
         EXPECT_EQ(link.down(frame(imu, to, f->id(), data)), Frames{vector.v7}) << vector.meaning;
         ++n;
         if (V7LinkTranslation::is_of_own_sensor(f->id())) continue;
-        EXPECT_EQ(link.up(f->id(), data), Frames{frame(host, imu, f->id(), data)}) << vector.meaning;
+        EXPECT_EQ(HostLink{imu}.up(f->id(), data), Frames{frame(host, imu, f->id(), data)}) << vector.meaning;
     }
     EXPECT_GE(n, 10u);
 }
@@ -333,6 +333,37 @@ TEST(V7HostTranslation, a_write_has_the_type_of_the_parameter_and_is_sent_once) 
     EXPECT_EQ(link.up(write), Frames{write_in_v8});
     EXPECT_TRUE(link.pass(200ms).empty()) << "not repeated by the gateway";
     EXPECT_EQ(link.counted().unanswered, 1u);
+}
+
+TEST(V7HostTranslation, writes_of_one_parameter_end_with_the_value_of_the_last) {
+    HostLink link{fc};
+    Frames sent;
+    for (const std::int32_t value : {5, 6, 6, 5}) link.up(v7_frame(0x05, 0xE2, written(11, value)));
+    link.up(v7_frame(0x05, 0xE1, u16(11)));
+    EXPECT_EQ(link.counted().merged, 1u);
+    link.describe(11, i16_type);
+    for (int i = 0; i < 3; ++i) {
+        ASSERT_EQ(link.to_gateway.size(), 1u);
+        sent.push_back(link.to_gateway[0]);
+        link.down(0x00, check_of_v8(sent.back()));
+    }
+    const auto write = [](std::int16_t value) { return frame(host, fc, 0xE1, u16(11) + wire(value)); };
+    EXPECT_EQ(sent, (Frames{write(5), write(6), write(5)}));
+    EXPECT_EQ(link.to_gateway, Frames{frame(host, fc, 0xE0, question(2, 11))});
+}
+
+// Some program repeats what it receives, or the line echoes.
+TEST(V7HostTranslation, what_was_sent_to_the_host_program_is_neither_a_write_nor_a_measurement) {
+    HostLink link{{.address = fc, .v7_address = 0xFF, .max_data = 255}};
+    link.up(0xE1, u16(11));
+    link.describe(11, i16_type);
+    const Frames answer = link.down(0xE1, u16(11) + wire(std::int16_t{6}));
+    ASSERT_EQ(answer.size(), 1u);
+    EXPECT_TRUE(link.up(answer[0]).empty());
+    const Frames flow = link.down(0x51, {0, 1, 0, 0, 200});
+    ASSERT_EQ(flow.size(), 1u);
+    EXPECT_TRUE(link.up(flow[0]).empty());
+    EXPECT_EQ(link.counted().up_echo, 2u);
 }
 
 TEST(V7HostTranslation, values_that_one_side_cannot_represent_are_refused) {
