@@ -16,11 +16,13 @@ enum class Direction : std::uint8_t { in, out, dropped };
 std::string_view text(Direction direction) noexcept;
 
 /// Numbers are little-endian: time_ns (8 bytes), boottime_ns (8), link, direction, cause, channel, and the frame, whose LEN
-/// determines its length. The upper bit of the direction is `is_elsewhere`. Records follow each other without a gap.
+/// determines its length. The upper bit of the direction is `is_elsewhere`. The next bit is set if `raw` follows the frame: its
+/// length (2 bytes), and its bytes. Records follow each other without a gap.
 struct FrameRecord {
     static constexpr std::size_t head = 20;             // bytes before the frame
     static constexpr std::uint8_t no_channel = 0xFF;    // it belongs to no channel of its link
     static constexpr std::uint8_t elsewhere = 0x80;     // in the byte of the direction
+    static constexpr std::uint8_t has_raw = 0x40;       // there as well
 
     std::uint64_t time_ns = 0;        // since 1970
     std::uint64_t boottime_ns = 0;    // since the computer was started, including the time in which it was suspended
@@ -29,10 +31,11 @@ struct FrameRecord {
     std::uint8_t cause = 0;    // why it was dropped: an index of frame_causes(); 0: it was not dropped
     std::uint8_t channel = no_channel;
     ano::FrameView frame;
-    bool is_elsewhere = false;    // received where its source is not at home: another sender may use the address
+    bool is_elsewhere = false;              // received where its source is not at home: another sender may use the address
+    std::span<const std::uint8_t> raw{};    // the frame as it was on the wire, in protocol V7; at most 65,535 bytes
 
     /// The bytes written by write().
-    std::size_t size() const noexcept { return head + frame.bytes().size(); }
+    std::size_t size() const noexcept { return head + frame.bytes().size() + (raw.empty() ? 0 : 2 + raw.size()); }
 };
 
 /// Writes size() bytes to `at`.

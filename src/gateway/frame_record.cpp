@@ -54,11 +54,17 @@ void write(char* at, const FrameRecord& record) noexcept {
     store(at, record.time_ns);
     store(at + 8, record.boottime_ns);
     at[16] = static_cast<char>(record.link);
-    at[17] = static_cast<char>(static_cast<std::uint8_t>(record.direction) | (record.is_elsewhere ? FrameRecord::elsewhere : 0));
+    at[17] = static_cast<char>(static_cast<std::uint8_t>(record.direction) | (record.is_elsewhere ? FrameRecord::elsewhere : 0) |
+                               (record.raw.empty() ? 0 : FrameRecord::has_raw));
     at[18] = static_cast<char>(record.cause);
     at[19] = static_cast<char>(record.channel);
     const auto frame = record.frame.bytes();
     std::memcpy(at + FrameRecord::head, frame.data(), frame.size());
+    if (record.raw.empty()) return;
+    char* const raw = at + FrameRecord::head + frame.size();
+    raw[0] = static_cast<char>(record.raw.size() & 0xFF);
+    raw[1] = static_cast<char>(record.raw.size() >> 8 & 0xFF);
+    std::memcpy(raw + 2, record.raw.data(), record.raw.size());
 }
 
 void append(std::string& records, const FrameRecord& record) {
@@ -75,12 +81,27 @@ std::optional<FrameRecord> next_record(std::string_view& records) noexcept {
     const std::string_view behind = records.substr(FrameRecord::head);
     const auto frame = ano::frame_at({reinterpret_cast<const std::uint8_t*>(behind.data()), behind.size()});
     const bool is_elsewhere = (byte(17) & FrameRecord::elsewhere) != 0;
-    const auto direction = static_cast<std::uint8_t>(byte(17) & ~FrameRecord::elsewhere);
+    const auto direction = static_cast<std::uint8_t>(byte(17) & ~(FrameRecord::elsewhere | FrameRecord::has_raw));
     if (!frame || direction > static_cast<std::uint8_t>(Direction::dropped)) return std::nullopt;
-    FrameRecord record{
-        number_at(records, 0), number_at(records, 8), byte(16), static_cast<Direction>(direction), byte(18), byte(19), *frame,
-        is_elsewhere};
-    records.remove_prefix(FrameRecord::head + frame->bytes().size());
+    std::span<const std::uint8_t> raw;
+    std::size_t end = FrameRecord::head + frame->bytes().size();
+    if ((byte(17) & FrameRecord::has_raw) != 0) {
+        if (records.size() < end + 2) return std::nullopt;
+        const std::size_t size = byte(end) | std::size_t{byte(end + 1)} << 8;
+        if (records.size() < end + 2 + size) return std::nullopt;
+        raw = {reinterpret_cast<const std::uint8_t*>(records.data()) + end + 2, size};
+        end += 2 + size;
+    }
+    FrameRecord record{number_at(records, 0),
+                       number_at(records, 8),
+                       byte(16),
+                       static_cast<Direction>(direction),
+                       byte(18),
+                       byte(19),
+                       *frame,
+                       is_elsewhere,
+                       raw};
+    records.remove_prefix(end);
     return record;
 }
 

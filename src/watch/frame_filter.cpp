@@ -14,7 +14,8 @@ namespace {
 
 using Bytes = FrameFilterSettings::Bytes;
 
-constexpr std::string_view filter_names[] = {"from", "to", "id", "link", "direction", "samples", "elsewhere", "batch", "format"};
+constexpr std::string_view filter_names[] = {"from",    "to",        "id",    "link",   "direction",
+                                             "samples", "elsewhere", "batch", "format", "raw"};
 constexpr std::string_view limit_name = "limit.";
 constexpr std::string_view directions[] = {"in", "out", "dropped"};
 
@@ -79,10 +80,10 @@ Fault read_format(std::string_view word, FrameFormat& format) {
     return {};
 }
 
-Fault read_elsewhere(std::string_view word, bool& elsewhere) {
+Fault read_flag(std::string_view name, std::string_view word, bool& flag) {
     constexpr std::string_view words[] = {"yes", "no"};
-    if (word != "yes" && word != "no") return is_not("elsewhere", word, "is neither yes nor no") + ano::did_you_mean(word, words);
-    elsewhere = word == "yes";
+    if (word != "yes" && word != "no") return is_not(name, word, "is neither yes nor no") + ano::did_you_mean(word, words);
+    flag = word == "yes";
     return {};
 }
 
@@ -119,7 +120,8 @@ public:
         const auto* const found = std::find(std::begin(filter_names), std::end(filter_names), field.name);
         if (found == std::end(filter_names))
             return "unknown filter " + ano::in_quotes(field.name) + ano::did_you_mean(field.name, filter_names) +
-                   "; filters are from, to, id, link, direction, limit.ID, samples, elsewhere, batch and format";
+                   "; filters are from, to, id, link, direction, limit.ID, samples, elsewhere, batch, format and raw";
+        if (field.name == "raw" && field.value.empty()) return query.filter.raw = true, Fault{};
         if (field.value.empty()) return field.name + "= has no value: omit it";
         bool& given = given_[static_cast<std::size_t>(found - std::begin(filter_names))];
         for (const std::string_view word : split(field.value, ',')) {
@@ -140,7 +142,8 @@ private:
         if (name == "link") return read_link(word, links_, f.links);
         if (name == "direction") return read_direction(word, given, f.directions);
         if (name == "samples") return read_samples(word, f.samples);
-        if (name == "elsewhere") return read_elsewhere(word, f.elsewhere);
+        if (name == "elsewhere") return read_flag(name, word, f.elsewhere);
+        if (name == "raw") return read_flag(name, word, f.raw);
         if (name == "batch") return read_batch(word, f.batch);
         return read_format(word, query.format);
     }
@@ -165,6 +168,7 @@ bool accepts_all(FrameFilterSettings settings) {
     settings.directions = {true, true, true};
     settings.batch = FrameFilterSettings{}.batch;
     settings.elsewhere = true;
+    settings.raw = false;
     return settings == FrameFilterSettings{};
 }
 

@@ -25,6 +25,7 @@ struct FrameFilterSettings {
     std::array<bool, 3> directions{true, true, true};    // by Direction
     std::vector<LimitRule> limit;                        // in the order of the ids
     bool elsewhere = true;                               // also frames received on a link that is not the home of their source
+    bool raw = false;                                    // with FrameRecord::raw
     unsigned samples = 0;                                // about this many per second, link, sender and id; 0: every frame
     /// The longest time that a frame may wait for delivery together with others: 1 ms to 1 s. Each delivery costs a wake-up.
     ano::Duration batch = std::chrono::milliseconds{10};
@@ -39,7 +40,7 @@ struct FrameQuery {
 };
 
 /// Parses `from=0xDC,30-40`, `to=`, `id=euler,0x20-0x2F`, `link=fc,ground`, `direction=in,out,dropped`, `limit.ID=RATE`,
-/// `samples=10`, `elsewhere=yes|no`, `batch=40ms` and `format=json|binary`; the values of repeated names are combined. `links`:
+/// `samples=10`, `elsewhere=yes|no`, `batch=40ms`, `format=json|binary` and `raw`; the values of repeated names are combined. `links`:
 /// the names of all links. A string: the error.
 std::variant<FrameQuery, std::string> parse_frame_query(std::span<const http::Field> query,
                                                         std::span<const std::string_view> links);

@@ -113,11 +113,11 @@ void FrameWatch::observe() {
 
 void FrameWatch::received(const Channel& from, ano::FrameView frame, TimePoint arrived_at) {
     const bool is_elsewhere = gateway_.forwarder().is_elsewhere(from, frame.source());
-    note({Direction::in, from.link, number_of(from), 0, is_elsewhere}, frame, arrived_at);
+    note({Direction::in, from.link, number_of(from), 0, is_elsewhere, from.raw}, frame, arrived_at);
 }
 
 void FrameWatch::dropped(const Channel& from, ano::FrameView frame, ReceiveCause cause) {
-    note({Direction::dropped, from.link, number_of(from), anogate::number_of(cause)}, frame, gateway_.time());
+    note({Direction::dropped, from.link, number_of(from), anogate::number_of(cause), false, from.raw}, frame, gateway_.time());
 }
 
 void FrameWatch::refused(LinkId to, ano::FrameView frame, SendCause cause) {
@@ -125,7 +125,7 @@ void FrameWatch::refused(LinkId to, ano::FrameView frame, SendCause cause) {
 }
 
 void FrameWatch::left(const Channel& to, ano::FrameView frame) noexcept {
-    note({Direction::out, to.link, number_of(to), 0}, frame, gateway_.time());
+    note({Direction::out, to.link, number_of(to), 0, false, to.raw}, frame, gateway_.time());
 }
 
 void FrameWatch::discarded(const Channel& to, ano::FrameView frame, SendCause cause) noexcept {
@@ -171,9 +171,10 @@ void FrameWatch::record(Stream& stream, const Event& event, ano::FrameView frame
     if (!stream.due.is_set()) stream.due.set(Clock::now() + stream.settings.batch);
     if (!stream.batch) begin_batch(stream);
     const std::uint64_t time = nanoseconds(at.time_since_epoch());
-    const FrameRecord record{time + real_ns_, time + boot_ns_,   static_cast<std::uint8_t>(event.link),
-                             event.direction, event.cause,       event.channel,
-                             frame,           event.is_elsewhere};
+    const FrameRecord record{
+        time + real_ns_, time + boot_ns_,    static_cast<std::uint8_t>(event.link),
+        event.direction, event.cause,        event.channel,
+        frame,           event.is_elsewhere, stream.settings.raw ? event.raw : std::span<const std::uint8_t>{}};
     std::string& batch = *stream.batch;
     if (const std::size_t end = stream.filled + record.size(); end > batch.size()) batch.resize(std::max(end, 2 * batch.size()));
     write(batch.data() + stream.filled, record);

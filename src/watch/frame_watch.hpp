@@ -6,7 +6,9 @@
 #include <watch/frame_filter.hpp>
 #include <watch/watch_queue.hpp>
 
+#include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -76,6 +78,7 @@ private:
         std::uint8_t channel;
         std::uint8_t cause;
         bool is_elsewhere = false;
+        std::span<const std::uint8_t> raw{};
     };
 
     void received(const Channel& from, ano::FrameView frame, TimePoint arrived_at) override;

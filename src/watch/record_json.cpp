@@ -51,6 +51,7 @@ std::string record_json(const FrameRecord& record, const WatchTables& tables, co
         out.key("elsewhere");
         out.boolean(true);
     }
+    if (!record.raw.empty()) out.text("raw", ano::hex(record.raw));
     out.end_object();
     return ano::with_json_escapes(std::move(json));
 }

@@ -10,7 +10,8 @@
 namespace anogate {
 
 /// {"from": 220, ..., "time": 1700000000.123456, "link": "fc", "peer": "/dev/ttyUSB0", "direction": "in"}; a dropped frame also
-/// has `cause`, and a frame received on a link that is not the home of its source `"elsewhere": true`. Without a line end.
+/// has `cause`, and a frame received on a link that is not the home of its source `"elsewhere": true`; the bytes
+/// on the wire are `raw`, in hex. Without a line end.
 /// `encoding`: of its texts.
 std::string record_json(const FrameRecord& record, const WatchTables& tables, const ano::FlexibleLayouts& flexible,
                         ano::Encoding encoding = ano::Encoding::automatic);

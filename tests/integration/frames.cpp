@@ -185,7 +185,7 @@ TEST_F(Frames, filters_select_frames_and_wrong_ones_are_reported) {
     };
     EXPECT_EQ(refused("idd=3"),
               "unknown filter 'idd' (did you mean 'id'?); filters are from, to, id, link, direction, limit.ID, samples, "
-              "elsewhere, batch and format");
+              "elsewhere, batch, format and raw");
     EXPECT_EQ(refused("link=aa"), "there is no link 'aa'; use one of control, a, b");
     EXPECT_EQ(refused("format=binary"), "format=binary needs a WebSocket; lines are JSON");
     MessageClient wrong{gateway, "/frames?id=wnd"};

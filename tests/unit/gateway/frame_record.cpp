@@ -64,6 +64,26 @@ TEST(FrameRecord, reports_that_the_source_belongs_to_another_link) {
     }
 }
 
+TEST(FrameRecord, may_have_the_bytes_on_the_wire) {
+    const support::Bytes v7 = support::hex("AA FF 03 01 07 B4 16");
+    std::string records;
+    FrameRecord record = record_of(euler);
+    record.raw = v7;
+    append(records, record);
+    append(records, record_of(empty));
+    std::string_view rest = records;
+    const auto first = next_record(rest), second = next_record(rest);
+    ASSERT_TRUE(first && second);
+    EXPECT_EQ(support::Bytes(first->raw.begin(), first->raw.end()), v7);
+    EXPECT_EQ(first->direction, Direction::in);
+    EXPECT_TRUE(second->raw.empty());
+    EXPECT_TRUE(rest.empty());
+    for (std::size_t size = 0; size < record.size(); ++size) {
+        std::string_view cut = std::string_view{records}.substr(0, size);
+        EXPECT_FALSE(next_record(cut)) << size;
+    }
+}
+
 TEST(FrameRecord, damaged_records_are_rejected) {
     std::string records;
     append(records, record_of(euler));

@@ -151,7 +151,7 @@ TEST(FrameFilter, samples_of_a_slow_device_are_not_crowded_out_by_a_fast_one) {
 TEST(FrameFilter, invalid_filters_are_rejected_with_an_explanation) {
     EXPECT_EQ(fault({"form", "0xDC"}),
               "unknown filter 'form' (did you mean 'from'?); filters are from, to, id, link, direction, limit.ID, samples, "
-              "elsewhere, batch and format");
+              "elsewhere, batch, format and raw");
     EXPECT_EQ(fault({"id", "eular"}),
               "id='eular' is not an id, range of ids, message or class of messages (did you mean 'euler'?)");
     EXPECT_EQ(fault({"id", ""}), "id= has no value: omit it");
