@@ -139,7 +139,7 @@ http::Response RawStreams::answer(const http::Request& request) {
     if (state == links.end()) return http::error(404, unknown_link(name, links));
     if (!state->link->raw_port())
         return http::error(409, "the raw bytes of a " + std::string{state->link->settings().kind->name} +
-                                    " link are not available, only those of serial, hid, pty and udp links");
+                                    " link are not available, only those of serial, hid, pty, udp, tcp and sim links");
     const bool exclusive = request.query_value("exclusive").has_value();
     const bool may_send = request.access == http::Access::control;
     if (exclusive && !may_send) return http::not_permitted(request.access, http::Access::control);

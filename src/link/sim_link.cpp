@@ -91,6 +91,8 @@ void SimLink::tick() {
 // The bytes of the device are parsed and counted as those of any other link.
 void SimLink::receive(std::span<const std::uint8_t> received) {
     channel_->arrived_at = context_.host.now();
+    if (tap_) [[unlikely]]
+        tap_->received(received);
     if (v7_) return v7_->receive_datagram(received, channel_->arrived_at);
     feed_datagram(channel_->parser, received, channel_->arrived_at,
                   [this](ano::FrameView frame) { context_.host.receive(*channel_, frame); });
@@ -106,12 +108,29 @@ void SimLink::flush(Channel& channel) {
             write_v7();
             continue;
         }
-        line_->take(next[0], context_.host.now(), send_later_);
+        send_to_device(next[0]);
         if (channel.outbox.zeros() > 0) channel.outbox.sent(next[0].size());
         else channel.outbox.sent_frame();
     }
+    set_alarms();
+}
+
+void SimLink::send_to_device(std::span<const std::uint8_t> bytes) {
+    if (tap_) [[unlikely]]
+        tap_->sent(bytes);
+    line_->take(ano::Bytes{bytes}, context_.host.now(), send_later_);
+}
+
+void SimLink::set_alarms() {
     if (!answers_.empty()) answer_.set(context_.host.now());
     if (tick_.is_set()) tick_.set(line_->due());    // an answer may be due later
+}
+
+bool SimLink::write_raw(std::span<const std::uint8_t> bytes) {
+    if (!tick_.is_set()) return false;
+    send_to_device(bytes);
+    set_alarms();
+    return true;
 }
 
 void SimLink::write_v7() {
@@ -119,10 +138,9 @@ void SimLink::write_v7() {
         const auto next = v7_->first_unsent();
         const std::vector<std::uint8_t> frame{next.begin(), next.end()};
         v7_->written(frame.size());
-        line_->take(ano::Bytes{frame}, context_.host.now(), send_later_);
+        send_to_device(frame);
     }
-    if (!answers_.empty()) answer_.set(context_.host.now());
-    if (tick_.is_set()) tick_.set(line_->due());
+    set_alarms();
 }
 
 void SimLink::answer() {

@@ -1,6 +1,7 @@
 // A simulated device inside the process, as if it were connected.
 #pragma once
 #include <link/link_context.hpp>
+#include <link/raw_port.hpp>
 #include <link/v7_edge.hpp>
 #include <sys/alarm.hpp>
 #include <world/faulty_line.hpp>
@@ -11,7 +12,7 @@
 
 namespace anogate {
 
-class SimLink final : public Link {
+class SimLink final : public Link, private RawPort {
 public:
     SimLink(LinkId id, LinkSettings settings, const LinkContext& context);
     void start() override;
@@ -19,8 +20,13 @@ public:
     void stop() override;
     void flush(Channel& channel) override;
     LinkFacts facts() const override;
+    RawPort* raw_port() override { return this; }
 
 private:
+    void set_tap(RawTap* tap) override { tap_ = tap; }
+    bool write_raw(std::span<const std::uint8_t> bytes) override;
+    void send_to_device(std::span<const std::uint8_t> bytes);
+    void set_alarms();
     void tick();
     void answer();
     void receive(std::span<const std::uint8_t> received);
@@ -28,6 +34,7 @@ private:
 
     LinkContext context_;
     Channel* channel_ = nullptr;
+    RawTap* tap_ = nullptr;
     std::unique_ptr<V7Edge> v7_;    // nullptr: the device uses V8
     std::unique_ptr<ano::world::FaultyLine> line_;
     ano::world::FaultyLine::Send send_;          // to the gateway

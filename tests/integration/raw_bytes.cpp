@@ -1,10 +1,12 @@
 // The raw bytes of links: GET /links/L/raw, `anoctl terminal`, and pauses between frames.
+#include <ano/hex.hpp>
 #include <link/raw_port.hpp>
 #include <link/serial/serial_settings.hpp>
 #include <support/controlled_gateway.hpp>
 #include <support/files.hpp>
 #include <support/process.hpp>
 #include <support/pty_device.hpp>
+#include <support/tcp_peer.hpp>
 #include <support/udp_peer.hpp>
 #include <support/v7_vectors.hpp>
 
@@ -33,6 +35,10 @@ Bytes passed(const MessageClient& message_client, char direction) {
     for (const std::string& message : message_client.messages())
         if (message.at(0) == direction) all.insert(all.end(), message.begin() + 9, message.end());
     return all;
+}
+
+bool contains(const Bytes& bytes, std::string_view text) {
+    return std::string_view{reinterpret_cast<const char*>(bytes.data()), bytes.size()}.find(text) != std::string_view::npos;
 }
 
 const Bytes telemetry = frame(0xDC, 0xFF, 0x03, {1, 2, 3, 4, 5, 6, 7});
@@ -104,7 +110,7 @@ TEST_F(RawBytes, are_rejected_for_other_link_kinds) {
         EXPECT_TRUE(until([&] { return raw.ended.has_value(); }));
         EXPECT_EQ(raw.ended->answer.status, status) << link;
         if (status == 409u) {
-            EXPECT_NE(raw.ended->answer.body.find("only those of serial, hid, pty and udp links"), std::string::npos);
+            EXPECT_NE(raw.ended->answer.body.find("only those of serial, hid, pty, udp, tcp and sim links"), std::string::npos);
         } else {
             EXPECT_NE(raw.ended->answer.body.find("unknown link 'nobody'; links: "), std::string::npos) << raw.ended->answer.body;
         }
@@ -190,6 +196,34 @@ TEST(Terminal, shows_the_v7_frames_of_a_link_in_both_directions) {
     EXPECT_TRUE(terminal.until_says("\"name\":\"command\"")) << terminal.output();
 }
 
+TEST(Terminal, shows_and_sends_the_bytes_of_a_tcp_link) {
+    const TempDir dir;
+    TcpListener listener;
+    const std::string socket = dir / "control.sock";
+    Daemon daemon{ANOGATED, socket, {"tcp:" + listener.address() + ",name=radio"}};
+    TcpPeer peer;
+    ASSERT_TRUE(wait_until([&] { return listener.accept(peer); }));
+    ASSERT_TRUE(daemon.until_up("radio"));
+    Shell terminal{"(echo AT; sleep 100) | exec " ANOCTL " terminal radio --end lf --control " + socket};
+    EXPECT_TRUE(wait_until([&] { return contains(peer.heard(), "AT\n"); }));
+    peer.send(bytes_of("OK\n"));
+    EXPECT_TRUE(terminal.until_says(" < OK")) << terminal.output();
+    terminal.end();
+}
+
+TEST(Terminal, shows_and_sends_the_bytes_of_a_sim_link) {
+    const TempDir dir;
+    const std::string socket = dir / "control.sock";
+    Daemon daemon{ANOGATED, socket, {"sim:fc,name=fc"}};
+    ASSERT_TRUE(daemon.until_up("fc"));
+    // 0xE0 1: how many parameters
+    const Bytes question = frame(0xFE, 0xDC, 0xE0, {1, 0, 0});
+    Shell terminal{"(echo " + ano::hex(question) + "; sleep 100) | exec " ANOCTL " terminal fc --hex --control " + socket};
+    EXPECT_TRUE(terminal.until_says(" > AB FE DC E0 03 00 01 00 00")) << terminal.output();
+    EXPECT_TRUE(terminal.until_says("AB DC FE E0 03 00")) << terminal.output();
+    terminal.end();
+}
+
 TEST(Terminal, captures_the_v7_frames_of_a_link_for_wireshark) {
     const TempDir dir;
     PtyDevice device{dir / "imu"};
@@ -239,7 +273,8 @@ TEST(Terminal, escapes_received_lines_sends_lines_and_releases_the_link_when_it_
     })) << "its client was killed";
     Process unknown{ANOCTL, {"terminal", "ground", "--control", socket}};
     EXPECT_EQ(unknown.wait(), 1);
-    EXPECT_NE(unknown.output().find("only those of serial, hid, pty and udp links"), std::string::npos) << unknown.output();
+    EXPECT_NE(unknown.output().find("only those of serial, hid, pty, udp, tcp and sim links"), std::string::npos)
+        << unknown.output();
 }
 
 // The time at which each frame was written, reported by the link itself: a device that is read late proves nothing.

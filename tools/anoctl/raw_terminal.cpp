@@ -301,7 +301,8 @@ std::string read_line_end(const std::string& word, std::string& end) {
 
 Run add_terminal(Options& options) {
     const auto self = std::make_shared<TerminalOptions>();
-    options.push_back({"link", &self->link, "LINK", "Name of a serial, hid, pty or udp link of the running gateway", true});
+    options.push_back(
+        {"link", &self->link, "LINK", "Name of a serial, hid, pty, udp, tcp or sim link of the running gateway", true});
     options.push_back({"--hex", &self->hex, "", "Show hex digits, and send lines of hex digits"});
     options.push_back(
         {"--v7", &self->v7, "", "Show the frames of protocol version 7 in the bytes, and nothing else", false, {"--hex"}});
