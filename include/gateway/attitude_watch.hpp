@@ -12,7 +12,8 @@
 
 namespace anogate {
 
-/// For one link. Constant time, no allocation. Only the first few devices are compared. A difference counts as a contradiction
+/// For one link. Constant time, no allocation. A few devices are compared; one that sends nothing for `forgotten`
+/// makes room for others. A difference counts as a contradiction
 /// only if both agree under the other signs. This excludes differences by a fast turn or by a quaternion of another kind.
 class AttitudeWatch {
 public:
@@ -23,6 +24,7 @@ public:
     static constexpr Duration patience = std::chrono::seconds{2};           // a contradiction is reported after this time
     static constexpr Duration settled = std::chrono::seconds{10};           // it ends when both have agreed for this time
     static constexpr Duration together = std::chrono::milliseconds{100};    // both frames arrived within this time
+    static constexpr Duration forgotten = std::chrono::seconds{10};
     static constexpr std::size_t max_devices = 4;
 
     explicit AttitudeWatch(ano::EulerSigns signs = ano::EulerSigns::document) noexcept : signs_{signs} {}
@@ -45,8 +47,9 @@ private:
         ano::Rotation by_euler, by_other_signs, by_quaternion;
         std::optional<TimePoint> euler_at, quaternion_at;
         std::optional<TimePoint> apart_since, agree_since;
+        TimePoint heard_at{};
     };
-    Device* device(std::uint8_t address) noexcept;
+    Device* device(std::uint8_t address, TimePoint now) noexcept;
     static void compare(Device& device, TimePoint now) noexcept;
 
     ano::EulerSigns signs_;

@@ -70,6 +70,7 @@ struct LinkFigures {
     std::uint64_t no_place = 0;              // datagrams of unknown senders, refused because all places were in use
     std::uint64_t no_memory = 0;             // the same, refused for lack of memory
     std::uint64_t outsiders = 0;             // the same, refused because the sender is outside `allow`
+    bool is_exclusive = false;               // a terminal uses it exclusively: no frames are sent to it
     std::size_t without_frame = 0;           // connected clients that have sent no complete valid frame yet
     std::uint64_t handshakes = 0;            // connections closed lately for others, during their TLS handshake
     std::optional<std::uint64_t> frames_since_skipped;    // on the worst channel; std::nullopt: no byte was skipped

@@ -140,7 +140,7 @@ http::Response RawStreams::answer(const http::Request& request) {
     if (!state->link->raw_port())
         return http::error(409, "the raw bytes of a " + std::string{state->link->settings().kind->name} +
                                     " link are not available, only those of serial, hid, pty, udp, tcp and sim links");
-    const bool exclusive = request.query_value("exclusive").has_value();
+    const bool exclusive = request.query_value("exclusive").value_or("0") != "0";
     const bool may_send = request.access == http::Access::control;
     if (exclusive && !may_send) return http::not_permitted(request.access, http::Access::control);
     if (exclusive && is_exclusive(name)) return http::error(409, "another client has exclusive use of " + in_quotes(name));

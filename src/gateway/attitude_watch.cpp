@@ -9,17 +9,21 @@ constexpr ano::EulerSigns other_of(ano::EulerSigns signs) noexcept {
 
 }    // namespace
 
-AttitudeWatch::Device* AttitudeWatch::device(std::uint8_t address) noexcept {
+AttitudeWatch::Device* AttitudeWatch::device(std::uint8_t address, TimePoint now) noexcept {
+    Device* unused = nullptr;
     for (Device& device : devices_) {
-        if (device.address == 0) device.address = address;
+        if (device.address != 0 && now - device.heard_at >= forgotten) device = {};
         if (device.address == address) return &device;
+        if (device.address == 0 && unused == nullptr) unused = &device;
     }
-    return nullptr;
+    if (unused != nullptr) unused->address = address;
+    return unused;
 }
 
 void AttitudeWatch::receive(ano::FrameView frame, TimePoint now) noexcept {
-    Device* const from = frame.source() == 0 ? nullptr : device(frame.source());
+    Device* const from = frame.source() == 0 ? nullptr : device(frame.source(), now);
     if (from == nullptr) return;
+    from->heard_at = now;
     const auto rotation = ano::rotation_of(frame, signs_);
     const auto otherwise = ano::rotation_of(frame, other_of(signs_));
     if (!rotation || !otherwise) return;

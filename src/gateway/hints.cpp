@@ -216,6 +216,7 @@ Hint trouble_in(const LinkFigures& link, bool with_details) {
 Hint trouble(const LinkFigures& link, bool with_details) {
     const ReceiveCounters& in = link.received;
     if (!link.up) return {};
+    if (link.is_exclusive) return {"exclusive_use", "a terminal uses this link exclusively: no frames are sent to it"};
     if (Hint hint = trouble_in(link, with_details); !hint.id.empty()) return hint;
     if (!link.ring_back.empty()) return ring(link);    // first: its copies look like one device on two links
     if (link.shared != SharedSource::none) return shared(link);

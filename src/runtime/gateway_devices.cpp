@@ -347,8 +347,9 @@ void GatewayDevices::refused(LinkId to, ano::FrameView, SendCause cause) {
     const std::string& name = gateway_.name(to);
     if (cause == &SendCounters::link_down) refusal_ = {"not sent: the link '" + name + "' is down", true};
     if (!is_for_good(cause)) return;
-    refusal_.why = cause == &SendCounters::too_big ? "more DATA than the link '" + name + "' can carry"
-                                                   : "refused by the rules 'send' of the link '" + name + "'";
+    refusal_.why = cause == &SendCounters::too_big         ? "more DATA than the link '" + name + "' can carry"
+                   : gateway_.forwarder().is_exclusive(to) ? "a terminal uses the link '" + name + "' exclusively"
+                                                           : "refused by the rules 'send' of the link '" + name + "'";
 }
 
 std::vector<HeardAddress> GatewayDevices::heard(ano::TimePoint now) {

@@ -157,6 +157,7 @@ LinkReport report_of(const Gateway& gateway, const LinkState& state, TimePoint n
         }
     };
     f.is_over = state.link->is_over();
+    f.is_exclusive = gateway.forwarder().is_exclusive(state.link->id());
     f.listens = state.link->settings().kind->listens;
     f.has_connections = f.listens && state.link->settings().kind->carries == Carries::bytes;
     f.channels = traffic.channels.size();

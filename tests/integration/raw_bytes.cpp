@@ -86,6 +86,7 @@ TEST_F(RawBytes, in_exclusive_use_no_frame_is_sent_on_the_link_until_the_client_
         ASSERT_TRUE(until_begins(raw));
         send_command();
         EXPECT_TRUE(until([&] { return count("denied_out") == 1; }));
+        EXPECT_EQ(gateway.link("fc").at("hint_id"), "exclusive_use");
         raw.send(bytes_of("AT\r\n"));
         EXPECT_TRUE(until([&] { return device.heard() == bytes_of("AT\r\n"); }));
         device.write(telemetry);
@@ -258,7 +259,7 @@ TEST(Terminal, escapes_received_lines_sends_lines_and_releases_the_link_when_it_
     const std::string socket = dir / "control.sock";
     Daemon daemon{ANOGATED, socket, {"serial:" + (dir / "radio") + ",encoding=gbk", "udp-listen:127.0.0.1:0,name=ground"}};
     ASSERT_TRUE(daemon.until_up("radio"));
-    Shell terminal{"(echo AT+飞; sleep 100) | exec " ANOCTL " terminal radio --exclusive --end cr --control " + socket};
+    Shell terminal{"(printf 'AT+飞\\r\\n'; sleep 100) | exec " ANOCTL " terminal radio --exclusive --end cr --control " + socket};
     ASSERT_TRUE(terminal.until_says("no frames are forwarded to it")) << terminal.output();
     EXPECT_TRUE(wait_until([&] { return device.heard() == bytes_of("AT+\xB7\xC9\r"); }));
     EXPECT_TRUE(terminal.until_says(" > AT+飞\n")) << terminal.output();

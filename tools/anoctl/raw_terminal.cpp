@@ -69,8 +69,12 @@ private:
             if (n < 0 && (errno == EINTR || errno == EAGAIN)) continue;
             if (n <= 0) break;
             for (const char c : std::string_view{bytes.data(), static_cast<std::size_t>(n)}) {
-                if (c != '\n') line += c;
-                else asio::post(io_, [this, whole = std::exchange(line, {})]() mutable { accept_(std::move(whole)); });
+                if (c != '\n') {
+                    line += c;
+                    continue;
+                }
+                if (line.ends_with('\r')) line.pop_back();    // of a file from Windows
+                asio::post(io_, [this, whole = std::exchange(line, {})]() mutable { accept_(std::move(whole)); });
             }
         }
         asio::post(io_, [this, whole = std::move(line)]() mutable {
@@ -242,6 +246,8 @@ private:
         }
         if (capture_ && !capture_->fault().empty()) io_.stop();
     }
+    static constexpr std::size_t max_line = http::WebSocketLimits{}.message;    // a longer message would end the connection
+
     void send(const std::string& line) {
         if (!socket_) return;
         std::string bytes;
@@ -256,6 +262,9 @@ private:
                                   "not sent: " + ano::in_quotes(line) + " cannot be represented in the encoding of the link");
             bytes = *written + options_.line_end;
         }
+        if (bytes.size() > max_line)
+            return print_note(streams_, "not sent: a line of " + std::to_string(bytes.size()) + " bytes is longer than " +
+                                            std::to_string(max_line));
         if (!socket_->send(std::make_shared<const std::string>(std::move(bytes)), http::WebSocket::Kind::binary))
             print_note(streams_, "not sent: the gateway has not yet accepted earlier data");
     }

@@ -4,6 +4,7 @@ export const unhandled = { try_hello: "（有些设备需要先收到帧才会�
 
 export const hints: Record<string, string> = {
   no_peer_yet: "等待对端：对端发来第一个有效帧后才会登记",
+  exclusive_use: "有终端独占这条链路：不向它发送任何帧",
   clients_without_frame: "{count} 个已连接的客户端尚未发来完整的有效帧",
   ring: "检测到环路：从 {out} 发出的帧又从 {back} 收到",
   unknown_device: "发给 {device} 的命令和写入没有发出：还没有任何链路收到过它的帧，而其他设备可能会执行；请用 --route {device}=链路 指定",
@@ -125,7 +126,7 @@ export const causes: Record<string, [string, string]> = {
   queue_full: ["the queue was full", "队列已满"],
   stale: ["waited too long", "等待过久"],
   limited: ["above the rate limit", "超过速率限制"],
-  denied_out: ["refused by a filter of the link, or not permitted in V7", "被链路的过滤器拒绝，或 V7 不允许"],
+  denied_out: ["refused by a filter of the link or the rules of V7, or a terminal uses the link exclusively", "被链路的过滤器拒绝，或 V7 不允许，或有终端独占这条链路"],
   link_down: ["the link was down", "链路断开"],
   too_big: ["more DATA than the link can carry", "DATA 超过链路允许的长度"],
   send_failed: ["refused by the system", "被系统拒绝"],

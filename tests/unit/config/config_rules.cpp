@@ -98,6 +98,7 @@ TEST(Config, a_class_applies_to_one_id_that_is_not_a_command) {
     EXPECT_NE(fault(R"({"id": "flexibel5", "class": "control"})").find("(did you mean 'flexible5'?)"), std::string::npos);
     EXPECT_NE(fault(R"({"id": "0xF1-0xF5", "class": "control"})").find("which covers several"), std::string::npos);
     EXPECT_NE(fault(R"({"id": "0xC0", "class": "bulk"})").find("'0xC0' can't have another class"), std::string::npos);
+    EXPECT_NE(fault(R"({"id": "0xB1", "class": "bulk"})").find("'0xB1' can't have another class"), std::string::npos);
     EXPECT_NE(fault(R"({"id": "0xF5"})").find("/classes/0: 'class' is missing"), std::string::npos);
     EXPECT_NE(fault(R"({"id": "0xF5", "class": "fast"})").find("/classes/0/class: "), std::string::npos);
     EXPECT_EQ(fault(R"({"id": "0xF5", "class": "bulk"}, {"id": "flexible5", "class": "control"})"),

@@ -131,6 +131,19 @@ TEST(AttitudeWatch, frames_far_apart_and_of_different_devices_are_not_compared) 
     EXPECT_EQ(device.watch.contradictory(), 0);
 }
 
+TEST(AttitudeWatch, a_device_that_falls_silent_is_forgotten_and_makes_room_for_another) {
+    Device device;
+    for (std::uint8_t source = 1; source <= AttitudeWatch::max_devices; ++source) device.turn(50ms, 0, 0, source);
+    device.turn(3s, 40, -40);
+    EXPECT_EQ(device.watch.contradictory(), 0) << "no room";
+    device.turn(12s, 40, -40);
+    EXPECT_EQ(device.watch.contradictory(), 0xDD);
+    device.turn(9s, 0, 0, 5);
+    EXPECT_EQ(device.watch.contradictory(), 0xDD);
+    device.turn(2s, 0, 0, 5);
+    EXPECT_EQ(device.watch.contradictory(), 0);
+}
+
 TEST(AttitudeWatch, allocates_no_memory_and_compares_only_the_first_devices) {
     Device device;
     std::vector<Bytes> frames;
