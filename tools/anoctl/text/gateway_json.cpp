@@ -23,7 +23,7 @@ using ano::Json;
 constexpr std::size_t line_width = 80;
 
 template <class Rows, class Wanted>
-std::vector<std::string> names_of(const Rows& rows, Wanted is_wanted) {
+std::vector<std::string> counter_names(const Rows& rows, Wanted is_wanted) {
     std::vector<std::string> names;
     for (const auto& row : rows)
         if (is_wanted(row)) names.emplace_back(row.name);
@@ -146,8 +146,8 @@ const std::vector<std::string>& drop_causes(bool is_alone) {
         const auto is_drop = [&](const auto& row) {
             return row.counts != anogate::Counts::traffic && !(without_no_route && row.name == "no_route");
         };
-        std::vector<std::string> all = names_of(anogate::send_counters, is_drop);
-        const std::vector<std::string> received = names_of(anogate::receive_counters, is_drop);
+        std::vector<std::string> all = counter_names(anogate::send_counters, is_drop);
+        const std::vector<std::string> received = counter_names(anogate::receive_counters, is_drop);
         all.insert(all.end(), received.begin(), received.end());
         return all;
     };
@@ -162,18 +162,18 @@ const std::vector<std::string>& counts_of_kinds() {
                                      "errors_protocol",  "errors_transceiver", "errors_no_ack",
                                      "errors_bus",       "kept_back_of_hosts", "kept_back_commands",
                                      "kept_back_tunnels"};
-        const auto v7 = names_of(anogate::v7_counters, [](const auto& row) { return row.is_drop; });
+        const auto v7 = counter_names(anogate::v7_counters, [](const auto& row) { return row.is_drop; });
         all.insert(all.end(), v7.begin(), v7.end());
         return all;
     }();
     return names;
 }
 const std::vector<std::string>& causes_in() {
-    static const auto names = names_of(anogate::receive_counters, [](const auto& row) { return row.name != "frames_in"; });
+    static const auto names = counter_names(anogate::receive_counters, [](const auto& row) { return row.name != "frames_in"; });
     return names;
 }
 const std::vector<std::string>& causes_out() {
-    static const auto names = names_of(anogate::send_counters, [](const auto& row) { return row.name != "frames_out"; });
+    static const auto names = counter_names(anogate::send_counters, [](const auto& row) { return row.name != "frames_out"; });
     return names;
 }
 
