@@ -120,7 +120,7 @@ public:
     void restore(LinkId link, const DuplicateGuard::Memory& brought);
     /// For exclusive use: while a person writes to the devices of `link` manually, frames to it are dropped (denied_out).
     void set_exclusive(LinkId link, bool exclusive);
-    bool is_exclusive(LinkId link) const noexcept { return entry(link).exclusive; }
+    bool is_exclusive(LinkId link) const noexcept;
     void set_unknown_link(LinkId link) { router_.set_unknown_link(link); }
     /// Makes `link`, which was added, the tunnel. Tunnel frames that are received on `carried` are sent by it. `port` must live
     /// until the link is removed. Another call changes the set of links.

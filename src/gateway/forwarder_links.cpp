@@ -73,6 +73,8 @@ void Forwarder::set_exclusive(LinkId id, bool exclusive) {
     }
 }
 
+bool Forwarder::is_exclusive(LinkId link) const noexcept { return entry(link).exclusive; }
+
 void Forwarder::remove_link(LinkId id) {
     LinkEntry& link = entry(id);
     const std::uint8_t group = link.settings.route.group;
