@@ -70,6 +70,7 @@ struct V7Source {
 
 struct V7Settings {
     std::uint8_t address = 0;    // the V8 id of the device: the source of its frames
+    std::uint8_t port_id = 0;    // the V8 id of the link, which stands for its device; 0: none
     std::vector<V7Source> sources{};
     std::optional<std::uint8_t> v7_address{};    // D_ADDR to the device; std::nullopt: 0xFF, for parameters after the device
     std::optional<V7Acceleration> acc{};         // std::nullopt: after `address`
@@ -319,6 +320,8 @@ private:
     std::uint8_t source_of(std::uint8_t v7_id) const noexcept { return V7LinkTranslation::source_of(v7_id, settings_.address); }
     bool is_own_id(std::uint8_t id) const noexcept;
     bool is_for_device(std::uint8_t destination) const noexcept;
+    /// Whether a V7 frame with this id for the device `asked` reaches no other device of the line.
+    bool reaches_only(std::uint8_t asked, std::uint8_t v7_id) const noexcept;
     /// Counts a frame that was sent by a gateway.
     bool has_returned(ano::v7::FrameView frame) noexcept;
     std::uint8_t receiver(std::uint8_t asked, std::uint8_t v7_id) const noexcept;

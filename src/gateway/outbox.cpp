@@ -253,7 +253,7 @@ void Outbox::supersede_setpoints() noexcept {
         behind = older.in_arena.behind;
         if (i == begun_ || !older.replaceable || !older.overtakes) continue;
         const auto is_newer = [&](Index n) {
-            return entries_[n].key == older.key &&
+            return entries_[n].key == older.key && entries_[n].overtakes && entries_[n].traffic == older.traffic &&
                    queues_[entries_[n].traffic].channel_of(n) == queues_[older.traffic].channel_of(i);
         };
         Index newer = older.in_bucket.behind;

@@ -250,6 +250,9 @@ void V7Translation::parameter_up(v7::FrameView frame, ano::TimePoint now, V7Outp
     if (data.size() != 6) return drop(&V7Counters::up_malformed);
     const auto number = ano::load<std::uint16_t>(data.data());
     const auto value = ano::load<std::int32_t>(data.data() + 2);
+    const bool is_write = frame.destination() != v7::address::broadcast &&
+                          frame.destination() == receiver(source_of(frame.id()), 0xE2);
+    if (is_write) return drop(&V7Counters::up_command);    // of the other end of a tapped line
     if (is_in_flight(0xE1, number)) {
         const Request& request = queue_[first_];
         if (!request.is_own) send_parameter(request.origin, request.index, value, output);

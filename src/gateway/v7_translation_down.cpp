@@ -55,8 +55,12 @@ V7Translation::Origin V7Translation::origin_of(ano::FrameView frame) const noexc
 // A frame for an unknown address is sent to every place. A V8 device ignores it there; a V7 device would execute it, because the
 // frame that it gets has no such receiver.
 bool V7Translation::is_for_device(std::uint8_t destination) const noexcept {
-    const bool is_port = destination != ano::address::unassigned && destination <= ano::address::last_port_id;
+    const bool is_port = destination != ano::address::unassigned && destination == settings_.port_id;
     return destination == ano::address::broadcast || is_port || is_own_id(destination);
+}
+
+bool V7Translation::reaches_only(std::uint8_t asked, std::uint8_t v7_id) const noexcept {
+    return asked == settings_.address || (!settings_.v7_address && receiver(asked, v7_id) != v7::address::broadcast);
 }
 
 void V7Translation::down(ano::FrameView frame, ano::TimePoint now, V7Output& output) {
@@ -80,6 +84,10 @@ void V7Translation::down(ano::FrameView frame, ano::TimePoint now, V7Output& out
     case 0xC1: return describe_commands(origin, data, output);
     case 0xE0: return parameter_command_down(origin, data, now, output);
     case 0xE1: return parameter_value_down(origin, data, now, output);
+    case 0x40:
+    case 0x41:
+        if (!reaches_only(origin.asked, id)) return drop(&V7Counters::down_other_device);
+        [[fallthrough]];
     default: return send_down(origin.asked, id, data, output);
     }
 }
@@ -96,7 +104,7 @@ void V7Translation::send_down(Data bytes, V7Output& output) {
 }
 
 void V7Translation::send_probe(V7Output& output) {
-    const auto probe = echoes_.next_probe(now_);
+    const auto probe = settings_.max_data >= V7EchoWatch::probe_data ? echoes_.next_probe(now_) : std::nullopt;
     if (!probe) return;
     ++counters_.down;
     output.to_device(*probe);
@@ -111,6 +119,7 @@ void V7Translation::send_down(std::uint8_t v8_destination, std::uint8_t id, Data
 void V7Translation::command_down(const Origin& origin, Data data, ano::TimePoint now, V7Output& output) {
     if (data.size() < 3) return drop(&V7Counters::down_malformed);
     if (erases_firmware(data)) return drop(&V7Counters::down_erase);
+    if (!reaches_only(origin.asked, 0xE0)) return drop(&V7Counters::down_other_device);
     if (data.size() > v7_command_size) return drop(&V7Counters::down_too_big);
     std::array<std::uint8_t, v7_command_size> command{};
     std::copy(data.begin(), data.end(), command.begin());
@@ -267,6 +276,12 @@ void V7Translation::describe_device(const Origin& origin, ano::TimePoint now, V7
         return;
     }
     const bool is_same = versions_of_ == origin.asked && is_present(now);
+    if (!reaches_only(origin.asked, 0xE1)) {
+        versions_of_ = origin.asked;
+        versions_.fill({0, true});
+        if (is_present(now)) send_device_info(origin, output);
+        return;
+    }
     if (is_same && are_versions_known()) return send_device_info(origin, output);
     if (size_ + versions_.size() > queue_.size()) return drop(&V7Counters::down_queue_full);
     if (!is_same) versions_ = {};
@@ -352,6 +367,7 @@ V7Translation::Request V7Translation::request_of(const Origin& origin, std::uint
 void V7Translation::ask(const Origin& origin, std::uint8_t v7_id, Data data, std::uint16_t subject, std::uint16_t index,
                         ano::TimePoint now, V7Output& output) {
     if (data.size() > settings_.max_data) return drop(&V7Counters::down_too_big);
+    if (!reaches_only(origin.asked, v7_id)) return drop(&V7Counters::down_other_device);
     Request request = request_of(origin, v7_id, data, subject);
     if (const auto equal = find_equal(origin, request)) {
         if (*equal == 0 && may_be_sent_again(now)) return send_request(now, output);

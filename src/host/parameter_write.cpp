@@ -250,8 +250,9 @@ void ParameterWrite::cancel(TimePoint now) {
 Request action(Action action, std::uint32_t tag) {
     Draft<"parameter_command", "action"> draft;
     (void)draft.set<"val">(static_cast<std::uint16_t>(action));
-    // Each save wears the flash.
-    return request(draft, tag, Patience{.sends = action == Action::save ? 2u : 5u, .wait = std::chrono::seconds{5}});
+    // Each save wears the flash, and a late reset would undo later writes.
+    const bool has_effects = action == Action::save || action == Action::restore_defaults;
+    return request(draft, tag, Patience{.sends = has_effects ? 2u : 5u, .wait = std::chrono::seconds{5}});
 }
 
 std::string ParameterAction::order() const {

@@ -15,8 +15,9 @@ ano::v7::FrameParser::Options parser_options(const LinkSettings& link) {
     return {std::min<std::size_t>(link.max_data, ano::v7::max_len), link.frame_gap.value_or(quiet_of(*link.kind))};
 }
 
-std::unique_ptr<V7LinkTranslation> translation_for(const V7LinkSettings& v7) {
+std::unique_ptr<V7LinkTranslation> translation_for(const V7LinkSettings& v7, const LinkSettings& link) {
     V7Settings settings = v7.translation();
+    settings.port_id = link.id;
     settings.line = std::random_device{}();
     if (v7.role == V7Role::host) return std::make_unique<V7HostTranslation>(std::move(settings));
     return std::make_unique<V7Translation>(std::move(settings));
@@ -27,7 +28,7 @@ std::unique_ptr<V7LinkTranslation> translation_for(const V7LinkSettings& v7) {
 V7Edge::V7Edge(const V7LinkSettings& v7, const LinkSettings& link, const LinkContext& context, Calls calls)
     : context_{context},
       calls_{std::move(calls)},
-      translation_{translation_for(v7)},
+      translation_{translation_for(v7, link)},
       parser_{parser_options(link)},
       alarm_{context.alarms, [this] { ring(); }} {}
 

@@ -2,6 +2,7 @@
 #include <http/client/certificate.hpp>
 #include <link/tcp/tls_context.hpp>
 #include <support/http.hpp>
+#include <support/key_updates.hpp>
 #include <support/leased_file.hpp>
 #include <support/namespaces.hpp>
 #include <support/process.hpp>
@@ -69,6 +70,18 @@ struct Tls : testing::Test {
     Loop loop;
     std::optional<RunningGateway> ground, air;
 };
+
+TEST_F(Tls, a_client_that_sends_only_messages_of_tls_is_disconnected) {
+    listen(",verify=none");
+    std::signal(SIGPIPE, SIG_IGN);
+    constexpr int most = 200'000;
+    std::atomic<int> sent{-2};
+    std::thread client{[&sent, port = ground->port("l")] { sent = flood_with_key_updates(port, most); }};
+    EXPECT_TRUE(ground->until([&] { return sent != -2; }));
+    client.join();
+    EXPECT_GT(sent, 0);
+    EXPECT_LT(sent, most);
+}
 
 TEST_F(Tls, both_ends_show_certificates_and_frames_pass_both_ways) {
     listen(ca());

@@ -209,6 +209,27 @@ struct Model {
         if (!make_room(frame.size(), c)) return void(++counters.queue_full);
         queues[c].push(std::move(incoming));
     }
+    void set_congested() {
+        if (std::exchange(congested, frames() > 0) || !congested) return;
+        for (ClassQueue& queue : queues)
+            for (Place& place : queue.places)
+                for (Sender& sender : place.senders) supersede(sender.sticks);
+    }
+    void supersede(std::deque<Frame>& sticks) {
+        for (std::size_t i = 0; i < sticks.size();) {
+            const Frame older = sticks[i];
+            const auto newer = std::find_if(
+                sticks.begin() + static_cast<std::ptrdiff_t>(i) + 1, sticks.end(),
+                [&](const Frame& f) { return same_kind(f.bytes, older.bytes, older.policy.replaces); });
+            if (newer == sticks.end()) {
+                ++i;
+                continue;
+            }
+            newer->turn = std::min(newer->turn, older.turn);
+            sticks.erase(sticks.begin() + static_cast<std::ptrdiff_t>(i));
+            ++counters.superseded;
+        }
+    }
     bool make_room(std::size_t size, std::size_t c) {
         const std::size_t tenth = options.bytes / 10, quarter = options.bytes / 4;
         const std::size_t partly_out = begun ? begun->bytes.size() : 0;
@@ -351,7 +372,7 @@ struct Trial {
         }
         if (random.one_in(2)) {
             outbox.set_congested();
-            model.congested = model.frames() > 0;
+            model.set_congested();
         }
     }
     void send_datagrams() {

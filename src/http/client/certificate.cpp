@@ -89,6 +89,7 @@ Expected<void> write_new(const std::string& path, BIO& text, mode_t mode) {
     const auto size = static_cast<std::size_t>(BIO_get_mem_data(&text, &bytes));
     const UniqueFd fd{::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, mode)};
     if (!fd) return Unexpected{error_text(path, errno)};
+    ::fchmod(fd.get(), mode);    // whatever the umask: the service reads the certificates of root
     if (write_all(fd.get(), {bytes, size})) return {};
     const int error = errno;
     ::unlink(path.c_str());

@@ -65,8 +65,10 @@ void Connector::resolved(const std::vector<IpAddress>& addresses, const std::str
 
 void Connector::go_on() {
     end_unanswered();
-    while (tries_.size() < endpoints_.size())
+    for (int failed = 0; tries_.size() < endpoints_.size(); ++failed) {
+        if (failed == failures_at_once) return next_.set(context_.host.now() + after_failures);
         if (begin_next()) return next_.set(context_.host.now() + between_tries);
+    }
     if (ended_ == tries_.size()) return fail(std::move(why_));
     const auto oldest = std::find_if(tries_.begin(), tries_.end(), [](const auto& one) { return one->descriptor.is_open(); });
     next_.set((*oldest)->since + patience);

@@ -19,6 +19,9 @@ class Connector {
 public:
     /// The next address is tried after this time, or at once if a previous one fails. The first connection is used.
     static constexpr ano::Duration between_tries = std::chrono::milliseconds{250};
+    /// After this number of tries that fail at once, others in the loop have their turn: a name may have thousands of addresses.
+    static constexpr int failures_at_once = 8;
+    static constexpr ano::Duration after_failures = std::chrono::milliseconds{20};
     /// A try that is not answered ends after this time.
     static constexpr ano::Duration patience = std::chrono::seconds{10};
 

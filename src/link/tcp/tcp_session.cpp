@@ -123,8 +123,10 @@ bool TcpSession::waits_for_acknowledgement() {
     const TimePoint now = context_.host.now();
     const auto measure = [this] { return round_trip(fd()); };
     Duration wait = in_flight_limit_.wait(unacknowledged_.bytes(), now, measure);
-    if (unacknowledged_.is_late(now, measure)) acknowledges_nothing();
-    if (unacknowledged_.may_be_interrupted(now, measure)) wait = look_again;
+    if (unacknowledged_.may_be_interrupted(now, measure)) {
+        acknowledges_nothing();    // at once: frames that wait here are lost with the connection
+        wait = look_again;
+    }
     if (wait > Duration::zero()) write_on_.set(now + wait);
     else write_on_.cancel();
     return write_on_.is_set();

@@ -2,6 +2,7 @@
 #include <link/tcp/tls_context.hpp>
 #include <sys/errors.hpp>
 #include <sys/unique_fd.hpp>
+#include <sys/unread.hpp>
 
 #include <openssl/err.h>
 #include <openssl/ssl.h>
@@ -24,7 +25,8 @@ namespace {
 
 constexpr std::size_t most_per_write = 16 * 1024;
 constexpr int records_per_read = 32;
-constexpr int max_handshake_steps = 64;    // each may cost a thread; a usual handshake has about five
+constexpr int without_data_per_read = 16;    // of them, those of TLS itself; servers send a few
+constexpr int max_handshake_steps = 64;      // each may cost a thread; a usual handshake has about five
 
 using Context = std::unique_ptr<SSL_CTX, void (*)(SSL_CTX*)>;
 
@@ -142,10 +144,12 @@ bool TlsConnection::has_record() {
     return has;
 }
 
-// Limits the number of records per call, because each may contain only one byte.
+// Limits the number of records per call, because each may contain only one byte, or none: a flood of key updates would hold the
+// loop.
 ssize_t TlsConnection::read(std::span<std::uint8_t> room) {
     ::ERR_clear_error();
     std::size_t size = 0;
+    int without_data = 0;
     parts_->has_more = true;
     for (int records = 0; size < room.size() && records < records_per_read; ++records) {
         std::size_t more = 0;
@@ -154,6 +158,12 @@ ssize_t TlsConnection::read(std::span<std::uint8_t> room) {
         if (result == 1) continue;
         const int error = errno;
         const int what = ::SSL_get_error(parts_->ssl.get(), result);
+        if (what == SSL_ERROR_WANT_READ && has_unread(parts_->socket.get())) {
+            if (++without_data <= without_data_per_read) continue;
+            parts_->fault = "too many TLS messages without data";
+            errno = ECONNABORTED;
+            return -1;
+        }
         parts_->has_more = false;
         if (what == SSL_ERROR_SSL)
             parts_->fault = openssl_fault();    // an alert of the other end: it does not accept our certificate
@@ -209,6 +219,7 @@ Opened<std::shared_ptr<const TlsContext>> TlsContext::read(const LinkCertificate
     if (!context) return NotOpened{LinkError{"tls", openssl_fault(), {}}};
     ::SSL_CTX_set_min_proto_version(context, TLS1_2_VERSION);
     ::SSL_CTX_set_options(context, SSL_OP_NO_COMPRESSION | SSL_OP_NO_RENEGOTIATION | SSL_OP_IGNORE_UNEXPECTED_EOF);
+    ::SSL_CTX_clear_mode(context, SSL_MODE_AUTO_RETRY);    // SSL_read() returns after each record
     ::SSL_CTX_set_mode(context, SSL_MODE_ENABLE_PARTIAL_WRITE | SSL_MODE_ACCEPT_MOVING_WRITE_BUFFER | SSL_MODE_RELEASE_BUFFERS);
     ::SSL_CTX_set_default_passwd_cb(context, [](char*, int, int, void*) { return 0; });    // never prompts at the terminal
     const int verify = files.verify == TlsVerify::peer ? SSL_VERIFY_PEER | SSL_VERIFY_FAIL_IF_NO_PEER_CERT : SSL_VERIFY_NONE;

@@ -116,6 +116,21 @@ TEST_F(Certificate, that_exists_is_replaced_on_request_by_one_of_the_same_author
     EXPECT_EQ(std::distance(std::filesystem::directory_iterator{dir.path()}, {}), 4) << "nothing else is left";
 }
 
+TEST_F(Certificate, never_replaces_the_files_of_the_authority_and_renews_only_what_exists) {
+    ASSERT_EQ(make({"vehicle"}).exit, 0);
+    const std::string authority = read("ca.pem"), key = read("ca-key.pem");
+    for (const char* name : {"ca", "ca-key", "vehicle-key"}) {
+        const auto made = make({name, "--renew"});
+        EXPECT_EQ(made.exit, 2) << made.err;
+        EXPECT_NE(made.err.find("choose another name"), std::string::npos) << made.err;
+    }
+    const auto absent = make({"vehicle3", "--renew"});
+    EXPECT_EQ(absent.exit, 1);
+    EXPECT_EQ(absent.err, "anoctl: " + into + "vehicle3.pem not found; to make a new certificate, omit --renew\n");
+    EXPECT_EQ(read("ca.pem"), authority);
+    EXPECT_EQ(read("ca-key.pem"), key);
+}
+
 TEST_F(Certificate, needs_the_key_of_its_authority) {
     const auto none = make({"vehicle", "--renew"});
     EXPECT_EQ(none.exit, 1);

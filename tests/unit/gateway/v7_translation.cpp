@@ -11,6 +11,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <string>
@@ -330,10 +331,29 @@ TEST(V7Translation, an_acknowledgement_after_one_second_is_dropped) {
 
 // The router sends frames for an unknown address everywhere.
 TEST(V7Translation, a_command_for_another_device_is_not_sent) {
-    V7Link link{imu};
-    EXPECT_TRUE(link.down(frame(host, fc, 0xC0, {0x10, 0, 1})).empty());
-    EXPECT_EQ(link.counted().down_other_device, 1u);
+    V7Link link{{.address = imu, .port_id = 3}};
+    for (std::uint8_t to = 0; to < 0xFF; ++to) {
+        if (to == imu || to == 3) continue;
+        EXPECT_TRUE(link.down(frame(host, to, 0xC0, {0x10, 0, 1})).empty()) << +to;
+    }
+    EXPECT_EQ(link.counted().down_other_device, 253u);
     EXPECT_EQ(link.down(frame(host, 3, 0xC0, {0x10, 0, 1})).size(), 1u) << "the port id of its link";
+}
+
+TEST(V7Translation, what_would_reach_another_device_of_the_line_is_not_sent) {
+    const auto writes = [](std::uint8_t to) { return frame(host, to, 0xE1, {151, 0, 5, 0, 0, 0}); };
+    V7Link link{{.address = imu, .sources = {{0x51, 0x51, flow}, {0xF1, 0xF1, 77}}}};
+    EXPECT_EQ(one(link.down(writes(flow)))[1], 0x22) << "it has a V7 address of its own";
+    EXPECT_TRUE(link.down(frame(host, flow, 0xC0, {0x10, 0, 1})).empty()) << "V7 sends commands to all";
+    EXPECT_TRUE(link.down(frame(host, flow, 0xE0, {0x10, 0x20, 0})).empty());
+    EXPECT_TRUE(link.down(frame(host, flow, 0x40, Bytes(20))).empty());
+    EXPECT_TRUE(link.down(frame(host, flow, 0x61, Bytes(22))).empty());
+    EXPECT_TRUE(link.down(writes(77)).empty());
+    EXPECT_EQ(link.counted().down_other_device, 5u);
+    V7Link addressed{{.address = imu, .sources = {{0x51, 0x51, flow}}, .v7_address = 0x60}};
+    EXPECT_TRUE(addressed.down(writes(flow)).empty());
+    EXPECT_EQ(addressed.counted().down_other_device, 1u);
+    EXPECT_EQ(addressed.down(writes(imu)).size(), 1u);
 }
 
 TEST(V7Translation, a_command_to_everybody_is_acknowledged_by_the_address) {
@@ -488,6 +508,32 @@ TEST(V7Translation, a_write_is_sent_once_and_acknowledged_by_the_device) {
 TEST(V7Translation, values_that_were_not_requested_are_sent_to_the_host) {
     V7Link link{fc};
     EXPECT_EQ(link.up(v7_frame(0xFF, 0xE2, {11, 0, 1, 0, 0, 0})), Frames{frame(fc, host, 0xE1, {11, 0, 1, 0, 0, 0})});
+}
+
+// A tapped line, on which another computer writes to the device.
+TEST(V7Translation, a_write_to_the_device_is_not_taken_for_a_value_of_it) {
+    V7Link link{imu};
+    EXPECT_TRUE(link.up(v7_frame(0x60, 0xE2, {11, 0, 1, 0, 0, 0})).empty());
+    EXPECT_EQ(link.counted().up_command, 1u);
+}
+
+TEST(V7Translation, probes_contain_no_second_head) {
+    for (std::uint32_t line = 1; line < 3000; ++line) {
+        V7EchoWatch watch{line * 0x01010105};
+        const auto probe = watch.next_probe(ano::TimePoint{1h});
+        ASSERT_TRUE(probe && v7::frame_at(probe->bytes()));
+        EXPECT_EQ(std::count(probe->bytes().begin(), probe->bytes().end(), 0xAA), 1) << line;
+    }
+}
+
+TEST(V7Translation, acknowledgements_pass_when_the_line_returns_probes_of_another_gateway) {
+    V7Link link{imu};
+    EXPECT_TRUE(link.up(v7_frame(0x00, 0xFB, {'R', 'i', 'n', 'g', 1, 2, 3, 4})).empty());
+    EXPECT_EQ(link.counted().up_loop, 1u);
+    for (int i = 0; i < 20; ++i) {
+        const Bytes sent = one(link.down(0xC0, {0x10, 0, 1}));
+        EXPECT_EQ(link.up(0x00, check_of(sent)).size(), 1u);
+    }
 }
 
 TEST(V7Translation, the_receiver_of_parameters_is_the_device_and_can_be_set) {

@@ -162,7 +162,8 @@ private:
     static Json checked_descriptions(DeviceClient& client, const std::vector<Assignment>& wanted) {
         std::vector<std::string> names;
         for (const Assignment& one : wanted) names.push_back(one.name);
-        const Json known = client.run("GET", client.target("/parameters?values=0&known&" + names_query(names)));
+        const std::string these = are_numbers(wanted) ? "" : "&" + names_query(names);
+        const Json known = client.run("GET", client.target("/parameters?values=0&known" + these));
         try {
             check(wanted, at(known, "parameters"));
             return at(known, "parameters");

@@ -40,6 +40,9 @@ struct CertificateCommand {
         const std::string whose = name.empty() ? computer.name : name;
         if (!anogate::is_host_name(whose) && !anogate::IpAddress::parse(whose))
             throw UsageError{ano::in_quotes(whose) + " is not a host name or an IP address"};
+        if (whose == "ca" || whose.ends_with("-key"))
+            throw UsageError{"the files of " + ano::in_quotes(whose) +
+                             " would have the names of other files: choose another name"};
         const fs::path folder = folder_for(into.value_or(certificate_folder()));
         const CertificateFiles authority{folder / "ca.pem", folder / "ca-key.pem"};
         const CertificateFiles made{folder / (whose + ".pem"), folder / (whose + "-key.pem")};
@@ -71,6 +74,8 @@ private:
         if (is_new && renew)
             throw Failure{"authority not found: " + authority.certificate +
                           "; run this command in its folder (--into), or without --renew to create a new authority"};
+        if (renew && !fs::exists(made.certificate))
+            throw Failure{made.certificate + " not found; to make a new certificate, omit --renew"};
         for (const std::string& file : {made.certificate, made.key})
             if (!renew && fs::exists(fs::symlink_status(file)))
                 throw Failure{file + " already exists; to replace the certificate and its key by new ones, use --renew"};
