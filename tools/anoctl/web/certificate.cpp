@@ -6,6 +6,7 @@
 #include <gateway/host_spec.hpp>
 #include <http/client/certificate.hpp>
 
+#include <ano_json/frame_json.hpp>
 #include <ano_json/text.hpp>
 #include <nlohmann/json.hpp>
 
