@@ -160,8 +160,8 @@ private:
     /// The descriptions of the wanted ones as read before, also by an earlier run, if the values fit them; otherwise all, as the
     /// device describes them now: an unknown name is compared with all names.
     static Json checked_descriptions(DeviceClient& client, const std::vector<Assignment>& wanted) {
-        std::vector<std::string> names;
-        for (const Assignment& one : wanted) names.push_back(one.name);
+        std::vector<std::string> names(wanted.size());
+        std::transform(wanted.begin(), wanted.end(), names.begin(), [](const Assignment& one) { return one.name; });
         const std::string these = are_numbers(wanted) ? "" : "&" + names_query(names);
         const Json known = client.run("GET", client.target("/parameters?values=0&known" + these));
         try {
