@@ -45,11 +45,11 @@ CertificateReader::CertificateReader(const LinkContext& context, LinkCertificate
 
 CertificateReader::~CertificateReader() { stop(); }
 
-// A thread that still reads owns its data.
+// Waits briefly: at the end of the program, OpenSSL must not be in use any more. A thread that hangs owns its data.
 void CertificateReader::stop() noexcept {
     done_ = nullptr;
     check_.cancel();
-    task_.stop(TimePoint::min());
+    task_.stop();
 }
 
 void CertificateReader::read(Done done) {
