@@ -68,7 +68,8 @@ struct ClassSettings {
     bool operator==(const ClassSettings&) const = default;
 };
 QueuePolicy policy_of(const ClassSettings& of_id) noexcept;
-/// Whether frames of `id` may have a ClassSettings. False for commands, parameters and their answers, each of which must arrive, and for tunnel frames, which contain them.
+/// Whether frames of `id` may have a ClassSettings. False for commands, parameters and their answers, each of which must arrive,
+/// and for tunnel frames, which contain them.
 bool may_have_class(std::uint8_t id) noexcept;
 
 }    // namespace anogate

@@ -89,7 +89,7 @@ public:
     }
 
 private:
-    static constexpr std::uint8_t probe_id = 0xFB, nobody = 0x00, acknowledgement = 0x00;
+    static constexpr std::uint8_t probe_id = 0xFB, no_device = 0x00, acknowledgement = 0x00;
     static constexpr std::array<std::uint8_t, probe_data - 4> probe_word{'R', 'i', 'n', 'g'};    // before the line
     struct Nothing {};
 
@@ -112,7 +112,7 @@ private:
         std::array<std::uint8_t, probe_data> data;
         std::copy(probe_word.begin(), probe_word.end(), data.begin());
         ano::store(data.data() + probe_word.size(), line_);
-        ano::v7::encode(probe_, nobody, probe_id, data);
+        ano::v7::encode(probe_, no_device, probe_id, data);
     }
     bool has_head_within() const noexcept { return std::find(probe_.begin() + 1, probe_.end(), probe_[0]) != probe_.end(); }
 

@@ -208,9 +208,7 @@ void add_routes(http::Routes& routes, Gateway& gateway, const std::function<List
                 [&gateway](const Request& request) { return join_link(gateway, request); }, 0, true});
     routes.add({"GET", "/links/{link}/raw", Access::view,
                 "as a WebSocket: the raw bytes of a serial, hid, pty, udp, tcp or sim link, in both directions; with a control "
-                "token the client "
-                "can send, and with "
-                "?exclusive it has exclusive use of the link",
+                "token the client can send, and with ?exclusive it has exclusive use of the link",
                 [streams](const Request& request) { return streams->raw.answer(request); }, 0, true});
     add_devices(routes, streams->devices);
     stop_with(gateway, streams->devices, disk);

@@ -1,10 +1,9 @@
 #include <ano/traffic.hpp>
 #include <gateway/queue_policy.hpp>
+#include <gateway/tunnel/tunnel.hpp>
 
 namespace anogate {
 namespace {
-
-constexpr std::uint8_t tunnel_id = ano::id_of<"ip_tunnel">, short_tunnel_id = ano::id_of<"ip_tunnel_short">;
 
 consteval AgeKind age_of(ano::Traffic traffic) {
     if (traffic.traffic_class == TrafficClass::telemetry) return AgeKind::telemetry;
@@ -39,7 +38,7 @@ QueuePolicy policy_of(const ClassSettings& of_id) noexcept {
 }
 
 bool may_have_class(std::uint8_t id) noexcept {
-    if (id == tunnel_id || id == short_tunnel_id) return false;    // they contain commands
+    if (id == ip_tunnel || id == ip_tunnel_short) return false;    // they contain commands
     const QueuePolicy listed = policy_of(id);
     return listed.traffic != TrafficClass::urgent || listed.replaces != Replaces::nothing;
 }

@@ -358,7 +358,28 @@ struct CutTcp : Tcp {
     void cut() { there->ip("address del 10.0.0.2/24 dev w0"); }
     void restore() { there->ip("address add 10.0.0.2/24 dev w0"); }
     std::int64_t unacknowledged_ms() { return daemon->link("fc").value("unacknowledged_ms", std::int64_t{}); }
+    /// A ground station, and a bridge with a device in another namespace. `cable`: the port of a serial link in a group with it;
+    /// empty: there is none.
+    void connect(const std::string& cable = {}) {
+        here.emplace();
+        there.emplace();
+        join();
+        listen();
+        ground.emplace();
+        const std::string group = cable.empty() ? "" : ",group=fc";
+        std::vector<std::string> links{bridge->link("fc") + group, "udp-listen:127.0.0.1:0,name=ground"};
+        if (!cable.empty()) links.push_back("serial:" + cable + ",name=cable" + group);
+        start(links);
+        ASSERT_TRUE(accepts(*bridge, fc));
+        ASSERT_TRUE(daemon->until_up("fc"));
+    }
+    void send_stick() {
+        ground->send(port("ground"), frame(0xFE, 0xDC, 0x40, Bytes(20)));
+        daemon->run_for(20ms);    // one second of them fits into the kernel
+    }
 
+    std::optional<UdpPeer> ground;
+    TcpPeer fc;
     std::optional<NetworkNamespace> here;
     std::optional<Namespace> there;
     std::optional<TcpListener> bridge;
@@ -367,39 +388,28 @@ struct CutTcp : Tcp {
 // Frames in the kernel can neither expire nor be replaced by newer ones.
 TEST_F(CutTcp, while_nothing_is_acknowledged_frames_wait_in_the_queue_where_they_expire) {
     ANOGATE_NEEDS_NAMESPACES();
-    here.emplace();
-    there.emplace();
-    join();
-    listen();
-    start({bridge->link("fc"), "udp-listen:127.0.0.1:0,name=ground"});
-    UdpPeer ground;
-    TcpPeer fc;
-    ASSERT_TRUE(accepts(*bridge, fc));
-    const auto stick = [&] {
-        ground.send(port("ground"), frame(0xFE, 0xDC, 0x40, Bytes(20)));
-        daemon->run_for(20ms);    // one second of them fits into the kernel
-    };
+    connect();
     fc.send(vendor::i_am_an_mcu);
-    stick();
+    send_stick();
     ASSERT_TRUE(daemon->until([&] { return !fc.heard().empty(); }));
     cut();
     ASSERT_TRUE(daemon->until([&] {
-        stick();
+        send_stick();
         return unacknowledged_ms() > 600;
     }));
     const auto written = daemon->count("fc", "frames_out");
     ASSERT_TRUE(daemon->until([&] {
-        stick();
+        send_stick();
         return unacknowledged_ms() > 1000;
     }));
     EXPECT_EQ(daemon->count("fc", "frames_out"), written);
     EXPECT_TRUE(daemon->until([&] {
-        stick();
+        send_stick();
         return daemon->count("fc", "stale") + daemon->count("fc", "superseded") > 0;
     }));
     restore();
     EXPECT_TRUE(daemon->until([&] {
-        stick();
+        send_stick();
         return daemon->count("fc", "frames_out") > written + 3;
     })) << daemon->link("fc");
     EXPECT_TRUE(daemon->counters_add_up());
@@ -408,25 +418,14 @@ TEST_F(CutTcp, while_nothing_is_acknowledged_frames_wait_in_the_queue_where_they
 // These would arrive late, all at once, when the wire works again.
 TEST_F(CutTcp, few_frames_are_in_the_kernel_when_the_wire_is_cut) {
     ANOGATE_NEEDS_NAMESPACES();
-    here.emplace();
-    there.emplace();
-    join();
-    listen();
-    start({bridge->link("fc"), "udp-listen:127.0.0.1:0,name=ground"});
-    UdpPeer ground;
-    TcpPeer fc;
-    ASSERT_TRUE(accepts(*bridge, fc));
-    const auto stick = [&] {
-        ground.send(port("ground"), frame(0xFE, 0xDC, 0x40, Bytes(20)));
-        daemon->run_for(20ms);
-    };
+    connect();
     fc.send(vendor::i_am_an_mcu);
-    for (int n = 0; n < 50; ++n) stick();
+    for (int n = 0; n < 50; ++n) send_stick();
     ASSERT_TRUE(daemon->until([&] { return unacknowledged_ms() == 0 && !fc.heard().empty(); }));
     const auto before = daemon->count("fc", "frames_out");
     cut();
     ASSERT_TRUE(daemon->until([&] {
-        stick();
+        send_stick();
         return unacknowledged_ms() > 1000;
     }));
     const auto late = daemon->count("fc", "frames_out") - before;
@@ -438,21 +437,12 @@ TEST_F(CutTcp, few_frames_are_in_the_kernel_when_the_wire_is_cut) {
 // Nothing can take over, and a connection of its own would last as long.
 TEST_F(CutTcp, the_only_connected_link_of_a_group_is_not_closed_by_a_short_interruption) {
     ANOGATE_NEEDS_NAMESPACES();
-    here.emplace();
-    there.emplace();
-    join();
-    listen();
-    start({"serial:/dev/absent,name=cable,group=fc", bridge->link("fc") + ",group=fc", "udp-listen:127.0.0.1:0,name=ground"});
-    UdpPeer ground;
-    TcpPeer fc;
-    ASSERT_TRUE(accepts(*bridge, fc));
-    ASSERT_TRUE(daemon->until_up("fc"));
+    connect("/dev/absent");
     fc.send(vendor::i_am_an_mcu);
     ASSERT_TRUE(daemon->until([&] { return daemon->count("fc", "frames_in") == 1; }));
     cut();
     ASSERT_TRUE(daemon->until([&] {
-        ground.send(port("ground"), frame(0xFE, 0xDC, 0x40, Bytes(20)));
-        daemon->run_for(20ms);
+        send_stick();
         return unacknowledged_ms() > 1600 || !daemon->up("fc");
     }));
     EXPECT_TRUE(daemon->up("fc")) << daemon->link("fc");
@@ -464,19 +454,11 @@ TEST_F(CutTcp, the_only_connected_link_of_a_group_is_not_closed_by_a_short_inter
 // The commands in the kernel would otherwise arrive after newer ones that the other link has delivered.
 TEST_F(CutTcp, a_group_closes_a_connection_that_acknowledges_nothing_and_its_frames_are_not_delivered_later) {
     ANOGATE_NEEDS_NAMESPACES();
-    here.emplace();
-    there.emplace();
-    join();
-    listen();
     const TempDir dir;
     PtyDevice cable{dir / "fc"};
-    start({"serial:" + cable.path() + ",name=cable,group=fc", bridge->link("fc") + ",group=fc",
-           "udp-listen:127.0.0.1:0,name=ground"});
-    UdpPeer ground;
-    TcpPeer fc;
-    ASSERT_TRUE(accepts(*bridge, fc));
-    ASSERT_TRUE(daemon->until_up("cable") && daemon->until_up("fc"));
-    ground.send(port("ground"), vendor::who_are_you);
+    connect(cable.path());
+    ASSERT_TRUE(daemon->until_up("cable"));
+    ground->send(port("ground"), vendor::who_are_you);
     ASSERT_TRUE(until_channels("ground", 1));
     cable.write(frame(0x05, 0xFE, 0x03, {1, 0, 0, 0, 0, 0, 0}));
     ASSERT_TRUE(daemon->until([&] { return daemon->count("cable", "frames_in") == 1; }));
@@ -487,7 +469,7 @@ TEST_F(CutTcp, a_group_closes_a_connection_that_acknowledges_nothing_and_its_fra
     const auto command = [&] {
         const auto n = static_cast<std::uint8_t>(sent.size());
         sent.push_back(frame(0xFE, 0x05, 0xC0, {1, 0, 0, n, static_cast<std::uint8_t>(sent.size() >> 8)}));
-        ground.send(port("ground"), sent.back());
+        ground->send(port("ground"), sent.back());
     };
     std::size_t late = 0;    // the first command after this one is not sent to the cut connection alone
     ASSERT_TRUE(daemon->until([&] {

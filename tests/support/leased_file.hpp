@@ -12,8 +12,8 @@
 
 namespace support {
 
-/// While this object exists, whoever opens the file waits, also in this process: for 45 seconds (/proc/sys/fs/lease-break-time).
-/// No one else may have the file open.
+/// While this object exists, opening the file takes 45 seconds (/proc/sys/fs/lease-break-time), in this process as well. Nothing
+/// else may have the file open.
 class LeasedFile {
 public:
     explicit LeasedFile(const std::string& path) : fd_{::open(path.c_str(), O_RDWR | O_CLOEXEC)} {
