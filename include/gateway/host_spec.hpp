@@ -16,6 +16,9 @@ namespace anogate {
 /// they are a mistyped IP address, which the resolver may accept (127.1, 0x7f000001).
 bool is_host_name(std::string_view text) noexcept;
 
+/// Names of DNS: upper and lower case are the same, and a dot at the end is not part of the name.
+bool is_same_name(std::string_view a, std::string_view b) noexcept;
+
 /// The addresses of names, as far as they are known.
 using HostAddresses = std::map<std::string, std::vector<IpAddress>, std::less<>>;
 
@@ -30,8 +33,10 @@ struct HostSpec : EndpointSpec {
     static std::optional<HostSpec> parse(std::string_view text);
     std::string text() const;
     /// Whether its packets stay on this computer, as far as the text shows.
-    bool is_here() const noexcept { return host.empty() ? address.is_loopback() : host == "localhost"; }
-    friend bool operator==(const HostSpec&, const HostSpec&) = default;
+    bool is_here() const noexcept { return host.empty() ? address.is_loopback() : is_same_name(host, "localhost"); }
+    friend bool operator==(const HostSpec& a, const HostSpec& b) noexcept {
+        return static_cast<const EndpointSpec&>(a) == static_cast<const EndpointSpec&>(b) && is_same_name(a.host, b.host);
+    }
 };
 
 }    // namespace anogate

@@ -38,6 +38,13 @@ bool is_host_name(std::string_view text) noexcept {
     return !is_number;
 }
 
+bool is_same_name(std::string_view a, std::string_view b) noexcept {
+    for (std::string_view* name : {&a, &b})
+        if (name->ends_with('.')) name->remove_suffix(1);
+    const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; };
+    return std::equal(a.begin(), a.end(), b.begin(), b.end(), [&](char x, char y) { return lower(x) == lower(y); });
+}
+
 std::optional<HostSpec> HostSpec::parse(std::string_view text) {
     if (auto endpoint = EndpointSpec::parse(text)) return HostSpec{*std::move(endpoint)};
     const std::size_t colon = text.find(':');

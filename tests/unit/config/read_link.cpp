@@ -517,6 +517,7 @@ TEST(LinkText, two_tcp_links_have_different_peers) {
     EXPECT_EQ(faults_of({"tcp:10.0.0.1:5,name=a", "tcp:10.0.0.1:5,name=b"}),
               "LINK 'tcp:10.0.0.1:5,name=b': '10.0.0.1:5' is already the peer of 'a' (LINK 'tcp:10.0.0.1:5,name=a')\n");
     EXPECT_NE(faults_of({"tls:fc.local:5", "tls:fc.local:5"}), "");
+    EXPECT_NE(faults_of({"tls:fc.local:5", "tls:FC.local.:5"}), "");
     for (const char* other : {"tcp:10.0.0.1:6", "tcp:10.0.0.2:5", "tcp:fc.local:5"})
         EXPECT_EQ(faults_of({"tcp:10.0.0.1:5", other}), "") << other;
     EXPECT_EQ(faults_of({"tcp:[fe80::1%eth0]:5", "tcp:[fe80::1%wlan0]:5"}), "") << "two paths";

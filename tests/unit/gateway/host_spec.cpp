@@ -21,6 +21,13 @@ TEST(HostSpec, is_an_address_or_a_name_with_a_port) {
     EXPECT_NE(*name, *address);
 }
 
+TEST(HostSpec, upper_and_lower_case_and_a_final_dot_are_the_same_name) {
+    EXPECT_EQ(HostSpec::parse("Flow.local:1"), HostSpec::parse("flow.LOCAL.:1"));
+    EXPECT_NE(HostSpec::parse("flow.local:1"), HostSpec::parse("flow.local:2"));
+    EXPECT_NE(HostSpec::parse("flow.local:1"), HostSpec::parse("flow:1"));
+    EXPECT_TRUE(HostSpec::parse("LocalHost.:1")->is_here());
+}
+
 TEST(HostSpec, rejects_invalid_hosts_and_ports) {
     for (const char* text : {"",      ":1",     "a",    "a:",    "a:b",   "a:65536",     "a:1:2",           "-a:1",
                              "a-:1",  "a..b:1", ".a:1", "a b:1", "a/b:1", "192.168.4:1", "192.168.4.256:1", "fe80::1:1",
