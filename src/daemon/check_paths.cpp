@@ -5,6 +5,8 @@
 
 #include <filesystem>
 
+#include <net/if.h>
+
 namespace anogate {
 namespace {
 
@@ -50,6 +52,32 @@ std::string fault_of_map(const std::string& file) {
     return there == fs::file_type::regular || there == fs::file_type::none ? "" : "is not a regular file: the page shows a grid";
 }
 
+// By its name or its number.
+bool has_interface(const std::string& name) {
+    char of_number[IF_NAMESIZE];
+    const bool is_number = name.find_first_not_of("0123456789") == std::string::npos && name.size() < 10;
+    return ::if_nametoindex(name.c_str()) != 0 ||
+           (is_number && ::if_indextoname(static_cast<unsigned>(std::stoul(name)), of_number) != nullptr);
+}
+
+void warn_of_interface(Draft& draft, const Origin& origin, std::string_view key, const std::string& name) {
+    if (name.empty() || has_interface(name)) return;
+    draft.warnings.push_back({origin.key(key), "warning: network interface " + in_quotes(name) +
+                                                   " not found: the link waits for it; `ip link` lists the interfaces"});
+}
+
+void warn_of_interfaces(Draft& draft) {
+    for (std::size_t i = 0; i < draft.settings.links.size(); ++i) {
+        const LinkSettings& link = draft.settings.links[i];
+        if (draft.links[i].broken) continue;
+        if (const auto peer = link.kind->connects_to ? link.kind->connects_to(link) : std::nullopt)
+            warn_of_interface(draft, draft.links[i], peer->key, peer->peer.interface);
+        if (const auto bound = link.kind->bound_port ? link.kind->bound_port(link) : std::nullopt)
+            for (const std::string& name : {bound->local.interface, bound->interface})
+                warn_of_interface(draft, draft.links[i], bound->key, name);
+    }
+}
+
 void warn(Draft& draft, const Origin& origin, std::string_view key, const std::string& path, const std::string& fault) {
     if (!fault.empty())
         draft.warnings.push_back({origin.key(key), "warning: " + in_quotes(key) + " " + in_quotes(path) + ": " + fault});
@@ -58,6 +86,7 @@ void warn(Draft& draft, const Origin& origin, std::string_view key, const std::s
 }    // namespace
 
 void warn_of_paths(Draft& draft) {
+    warn_of_interfaces(draft);
     for (const NamedPath& named : paths_of_links(draft)) {
         const std::string& path = named.path.path;
         warn(draft, named.origin, named.key, path, named.path.is_made ? fault_of_pty(path) : fault_of_device(named.path));
