@@ -11,6 +11,7 @@ namespace anogate {
 namespace {
 
 constexpr Duration check_slack = std::chrono::milliseconds{250};
+constexpr Duration retry_unusable = std::chrono::seconds{10};
 
 /// Times and inodes of the files: differ after a change of a file or its mode, or if a file was replaced.
 using Times = std::array<std::pair<timespec, ino_t>, 3>;
@@ -32,6 +33,7 @@ bool are_equal(const Times& one, const Times& two) {
 }    // namespace
 
 struct CertificateReader::Result {
+    TimePoint read_at{};
     Times times{};
     Opened<std::shared_ptr<const TlsContext>> context{NotOpened{LinkError{}}};
 };
@@ -58,14 +60,17 @@ void CertificateReader::read(Done done) {
     begin();
 }
 
-// Unusable files are read again even if they have not changed: a lack of memory or of descriptors is temporary.
+// Unusable files are read again even if they have not changed, but less often: a lack of memory or of descriptors is temporary.
 void CertificateReader::begin() {
     if (task_.is_running()) return;
     const auto result = std::make_shared<Result>();
-    const auto work = [result, files = files_, side = side_, last = fault_.empty() ? last_ : nullptr] {
+    const TimePoint now = context_.host.now();
+    const bool is_retry = last_ && !last_->context && now - last_->read_at >= retry_unusable;
+    const auto work = [result, now, files = files_, side = side_, last = is_retry ? nullptr : last_] {
+        result->read_at = now;
         result->times = times_of(files);
-        if (last && are_equal(result->times, last->times)) result->context = last->context;
-        else result->context = TlsContext::read(files, side);
+        if (!last || !are_equal(result->times, last->times)) result->context = TlsContext::read(files, side);
+        else *result = *last;
     };
     const bool runs = task_.run(work, [this, result](const std::string& broken) {
         if (!broken.empty()) result->context = NotOpened{LinkError{"tls", broken, {}}};

@@ -13,7 +13,7 @@
 
 namespace anogate {
 
-/// Whether files have changed is checked once a second. Until the changed files are read, and if they can't be used, the previous
+/// Whether files have changed is checked once a second; unusable ones are also read again every 10 s. Until the changed files are read, and if they can't be used, the previous
 /// ones stay in use. Open connections are not affected.
 ///
 /// Flow:    read(done) → done(usable) → connection()...

@@ -54,6 +54,18 @@ std::string fault_of_files(const LinkCertificates& files) {
     return {};
 }
 
+// The certificate of a computer in `ca` verifies nothing, unless it signed itself.
+bool has_authority(SSL_CTX* context) {
+    const STACK_OF(X509_OBJECT)* const all = ::X509_STORE_get0_objects(::SSL_CTX_get_cert_store(context));
+    for (int i = 0; i < sk_X509_OBJECT_num(all); ++i) {
+        X509* const one = ::X509_OBJECT_get0_X509(sk_X509_OBJECT_value(all, i));
+        if (!one) continue;
+        const bool signed_itself = ::X509_NAME_cmp(::X509_get_subject_name(one), ::X509_get_issuer_name(one)) == 0;
+        if (signed_itself || ::X509_check_ca(one) != 0) return true;
+    }
+    return false;
+}
+
 std::string use_files(SSL_CTX* context, const LinkCertificates& files) {
     if (!files.certificate.empty() && ::SSL_CTX_use_certificate_chain_file(context, files.certificate.c_str()) != 1)
         return files.certificate + ": " + openssl_fault();
@@ -61,6 +73,8 @@ std::string use_files(SSL_CTX* context, const LinkCertificates& files) {
         return files.key + ": " + openssl_fault();
     if (!files.ca.empty() && ::SSL_CTX_load_verify_file(context, files.ca.c_str()) != 1) return files.ca + ": " + openssl_fault();
     if (files.ca.empty()) ::SSL_CTX_set_default_verify_paths(context);
+    else if (!has_authority(context))
+        return files.ca + ": is the certificate of a computer, not of an authority that signs certificates; 'ca' needs ca.pem";
     return {};
 }
 
@@ -249,9 +263,9 @@ Opened<std::shared_ptr<TlsConnection>> TlsContext::connection(int fd, const std:
         X509_VERIFY_PARAM* const wanted = ::SSL_get0_param(ssl);
         const bool is_address = !host.empty() && ::X509_VERIFY_PARAM_set1_ip_asc(wanted, host.c_str()) == 1;
         if (!host.empty() && !is_address) {
-            std::string name = host;
+            std::string name = host.ends_with('.') ? host.substr(0, host.size() - 1) : host;
             ::SSL_ctrl(ssl, SSL_CTRL_SET_TLSEXT_HOSTNAME, TLSEXT_NAMETYPE_host_name, name.data());    // the macro has a C cast
-            ::SSL_set1_host(ssl, host.c_str());
+            ::SSL_set1_host(ssl, name.c_str());
         }
         ::ERR_clear_error();
     }
