@@ -11,6 +11,7 @@
 #include <openssl/x509.h>
 #include <openssl/x509v3.h>
 
+#include <arpa/inet.h>
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -151,6 +152,14 @@ Expected<void> write(const Expected<Pair>& pair, const CertificateFiles& files, 
     return existing == Existing::replaced ? replace_pair(*pair, files) : write_pair(*pair, files);
 }
 
+Expected<Certificate> read_certificate(const std::string& path) {
+    const File file{::fopen(path.c_str(), "re")};
+    if (!file) return Unexpected{error_text(path, errno)};
+    Certificate read{PEM_read_X509(file.get(), nullptr, nullptr, nullptr)};
+    if (!read) return Unexpected{path + ": not a PEM certificate"};
+    return read;
+}
+
 }    // namespace
 
 Expected<void> make_certificate(const CertificateNames& names, const std::string& certificate, const std::string& key) {
@@ -187,14 +196,34 @@ Expected<void> make_signed_certificate(const CertificateNames& names, const Cert
     return write(pair, files, existing);
 }
 
+Expected<CertificateNames> names_in(const std::string& certificate) {
+    const auto read = read_certificate(certificate);
+    if (!read) return Unexpected{read.error()};
+    const std::unique_ptr<GENERAL_NAMES, Free<GENERAL_NAMES_free>> all{
+        static_cast<GENERAL_NAMES*>(X509_get_ext_d2i(read->get(), NID_subject_alt_name, nullptr, nullptr))};
+    CertificateNames names;
+    for (int i = 0; all && i < sk_GENERAL_NAME_num(all.get()); ++i) {
+        int kind = 0;
+        const auto* const value = static_cast<const ASN1_STRING*>(
+            GENERAL_NAME_get0_value(sk_GENERAL_NAME_value(all.get(), i), &kind));
+        if (kind != GEN_DNS && kind != GEN_IPADD) continue;
+        const unsigned char* const bytes = ASN1_STRING_get0_data(value);
+        const auto size = static_cast<std::size_t>(ASN1_STRING_length(value));
+        char text[INET6_ADDRSTRLEN] = {};
+        const bool is_address = size == sizeof(in_addr) || size == sizeof(in6_addr);
+        if (kind == GEN_DNS) names.hosts.emplace_back(bytes, bytes + size);
+        else if (is_address && ::inet_ntop(size == sizeof(in_addr) ? AF_INET : AF_INET6, bytes, text, sizeof text))
+            names.addresses.emplace_back(text);
+    }
+    return names;
+}
+
 Expected<std::string> fingerprint(const std::string& certificate) {
-    const File file{::fopen(certificate.c_str(), "re")};
-    if (!file) return Unexpected{error_text(certificate, errno)};
-    const Certificate read{PEM_read_X509(file.get(), nullptr, nullptr, nullptr)};
-    if (!read) return Unexpected{certificate + ": not a PEM certificate"};
+    const auto read = read_certificate(certificate);
+    if (!read) return Unexpected{read.error()};
     unsigned char bytes[EVP_MAX_MD_SIZE];
     unsigned size = 0;
-    if (X509_digest(read.get(), EVP_sha256(), bytes, &size) != 1) return openssl_fault();
+    if (X509_digest(read->get(), EVP_sha256(), bytes, &size) != 1) return openssl_fault();
     constexpr char digits[] = "0123456789ABCDEF";
     std::string text;
     for (unsigned i = 0; i < size; ++i) {

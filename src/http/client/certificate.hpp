@@ -30,6 +30,9 @@ enum class Existing : std::uint8_t { kept, replaced };
 Expected<void> make_signed_certificate(const CertificateNames& names, const CertificateFiles& files,
                                        const CertificateFiles& authority, Existing existing = Existing::kept);
 
+/// The names and addresses in the first certificate of a PEM file.
+Expected<CertificateNames> names_in(const std::string& certificate);
+
 /// The SHA-256 of the first certificate in a PEM file, as browsers show it: "AB:CD:…", 32 bytes.
 Expected<std::string> fingerprint(const std::string& certificate);
 

@@ -1,6 +1,11 @@
 #include <gtest/gtest.h>
 #include <anoctl/web/web_names.hpp>
 
+#include <http/client/certificate.hpp>
+
+#include <unistd.h>
+
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -129,6 +134,26 @@ TEST_F(Certificate, never_replaces_the_files_of_the_authority_and_renews_only_wh
     EXPECT_EQ(absent.err, "anoctl: " + into + "vehicle3.pem not found; to make a new certificate, omit --renew\n");
     EXPECT_EQ(read("ca.pem"), authority);
     EXPECT_EQ(read("ca-key.pem"), key);
+}
+
+TEST_F(Certificate, keeps_the_addresses_of_networks_that_are_not_connected_when_it_is_renewed) {
+    char name[256] = {};
+    ASSERT_EQ(::gethostname(name, sizeof name - 1), 0);
+    ASSERT_EQ(make({}).exit, 0);
+    const anogate::http::CertificateFiles own{into + name + ".pem", into + name + "-key.pem"};
+    const auto replaced = anogate::http::Existing::replaced;
+    ASSERT_TRUE(make_signed_certificate({{"other.example"}, {"203.0.113.9", "2001:db8::9"}}, own,
+                                        {into + "ca.pem", into + "ca-key.pem"}, replaced));
+    const auto renewed = make({"--renew"});
+    ASSERT_EQ(renewed.exit, 0) << renewed.err;
+    const auto names = anogate::http::names_in(own.certificate);
+    ASSERT_TRUE(names);
+    const auto has = [](const std::vector<std::string>& all, const char* one) {
+        return std::count(all.begin(), all.end(), one) == 1;
+    };
+    EXPECT_TRUE(has(names->hosts, "localhost") && has(names->hosts, "other.example"));
+    EXPECT_TRUE(has(names->addresses, "127.0.0.1") && has(names->addresses, "203.0.113.9") &&
+                has(names->addresses, "2001:db8::9"));
 }
 
 TEST_F(Certificate, needs_the_key_of_its_authority) {

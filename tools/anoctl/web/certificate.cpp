@@ -12,6 +12,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <memory>
@@ -51,7 +52,8 @@ struct CertificateCommand {
         check(authority, made, is_new);
         if (is_new) must(make_authority(name_of_authority(computer.name), authority));
         const bool has_key = fs::exists(made.key);
-        const CertificateNames names = is_here ? names_for(computer) : names_of_another(whose);
+        CertificateNames names = is_here ? names_for(computer) : names_of_another(whose);
+        if (renew) add_previous(names, made.certificate);
         must(make_signed_certificate(names, made, authority, renew ? Existing::replaced : Existing::kept));
         if (!has_key) set_service_owner(made.key);
         if (json) return print_json(authority, made, streams.out);
@@ -92,6 +94,17 @@ private:
     static CertificateNames names_of_another(const std::string& name) {
         if (anogate::IpAddress::parse(name)) return {{}, {name}};
         return {names_of({name, {}}), {}};
+    }
+    /// The addresses of networks that are not connected now are kept.
+    static void add_previous(CertificateNames& names, const std::string& certificate) {
+        const auto previous = names_in(certificate);
+        if (!previous) throw Failure{previous.error() + "; to make a new certificate, remove the file and omit --renew"};
+        const auto add = [](std::vector<std::string>& all, const std::vector<std::string>& more) {
+            for (const std::string& one : more)
+                if (std::find(all.begin(), all.end(), one) == all.end()) all.push_back(one);
+        };
+        add(names.hosts, previous->hosts);
+        add(names.addresses, previous->addresses);
     }
     static std::string fingerprint_of(const CertificateFiles& made) {
         const auto known_by = anogate::http::fingerprint(made.certificate);
