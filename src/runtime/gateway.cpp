@@ -17,6 +17,7 @@ namespace {
 constexpr Duration required_within = std::chrono::seconds{10};
 constexpr Duration stop_look = std::chrono::milliseconds{10};
 constexpr Duration hello_slack = std::chrono::milliseconds{100};
+constexpr Duration brief = std::chrono::seconds{1};
 
 std::uint64_t number_of_its_own() {
     std::random_device random;
@@ -44,6 +45,7 @@ Gateway::Gateway(asio::io_context& io, Settings settings)
                  },
                  hello_slack},
       required_check_{alarms_, [this] { check_required(); }},
+      log_up_later_{alarms_, [this] { log_up(); }},
       stop_check_{alarms_, [this] { check_stop(); }},
       change_check_{alarms_, [this] { check_change(); }} {
     links_.reserve(max_links);
@@ -215,6 +217,7 @@ void Gateway::stop(Duration patience, std::function<void()> on_stopped) {
     on_stopped_ = std::move(on_stopped);
     before_stopping_();
     required_check_.cancel();
+    log_up_later_.cancel();
     change_check_.cancel();
     changing_.reset();
     beat_.cancel();
@@ -324,12 +327,26 @@ void Gateway::link_up(Link& link) {
     if (!is_news) return;
     s.was_up = true;
     s.since = now_;
-    s.error = {};
     gpio_->link_state(link.id(), true);
     await_forwarder();
-    log_info("{}: up", link.name());
-    if (const LinkError trouble = link.trouble(); !trouble.text.empty()) log_warning("{}: {}", link.name(), trouble.text);
+    if (s.was_brief) log_up_later_.set_no_later(now_ + brief);
+    else log_up(s);
     if (events_) events_->link_changed(s);
+}
+
+void Gateway::log_up(LinkState& s) {
+    s.is_logged = true;
+    log_info("{}: up", s.link->name());
+    if (const LinkError trouble = s.link->trouble(); !trouble.text.empty()) log_warning("{}: {}", s.link->name(), trouble.text);
+}
+
+// A link that is lost again and again at once, as if its peer refuses it, is logged when it stays up.
+void Gateway::log_up() {
+    for (LinkState& s : links_) {
+        if (!s.up || s.is_logged) continue;
+        if (now_ - s.since >= brief) log_up(s);
+        else log_up_later_.set_no_later(s.since + brief);
+    }
 }
 
 void Gateway::lose_channels_of(LinkId link) {
@@ -343,10 +360,11 @@ void Gateway::link_down(Link& link, LinkError why) {
     if (s.up) lose_channels_of(link.id());
     forwarder_.link_down(link.id());
     const bool is_news = s.up || s.error.text != why.text;
-    if (is_news) log_warning("{}: {}; waiting for it", link.name(), why.text);
+    if (s.is_logged || s.error.text != why.text) log_warning("{}: {}; waiting for it", link.name(), why.text);
     const bool was_up = s.up;
+    if (was_up) s.was_brief = now_ - s.since < brief;
     if (was_up) s.since = now_;
-    s.up = false;
+    s.up = s.is_logged = false;
     s.error = std::move(why);
     if (is_news && events_) events_->link_changed(s);
     if (was_up && recording_) recording_->link_lost(s);

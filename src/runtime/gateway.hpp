@@ -36,9 +36,11 @@ struct LinkState {
     std::unique_ptr<Link> link;
     bool up = false;
     bool was_up = false;         // at any time since the start
+    bool was_brief = false;      // the last time it was up for less than `brief`
+    bool is_logged = false;      // that it is up
     bool is_required = false;    // `required`, and configured at the start
     TimePoint since{};           // the last change of `up`
-    LinkError error;             // the reason why it is not up
+    LinkError error;             // the reason why it is not up, or was not the last time
 };
 
 /// The interface of the loop to the gateway as a device.
@@ -249,6 +251,8 @@ private:
     void restore_addresses(const Link& link, const RestartState::OfLink& stored);
     void restore_brought();
     void check_required();
+    void log_up();
+    static void log_up(LinkState& link);
     bool nothing_waits(const LinkState& state) const;
     void check_stop();
     void finish_stop();
@@ -282,6 +286,7 @@ private:
     Alarm forwarder_due_;
     Alarm hello_due_;
     Alarm required_check_;
+    Alarm log_up_later_;
     Alarm stop_check_;
     std::function<void(const std::string&)> on_required_missing_;
     std::function<void()> before_stopping_ = [] {};

@@ -4,6 +4,7 @@
 #include <support/http.hpp>
 #include <support/key_updates.hpp>
 #include <support/leased_file.hpp>
+#include <support/log_lines.hpp>
 #include <support/namespaces.hpp>
 #include <support/process.hpp>
 #include <support/running_gateway.hpp>
@@ -15,7 +16,9 @@
 #include <gtest/gtest.h>
 
 #include <poll.h>
+#include <sys/inotify.h>
 
+#include <array>
 #include <atomic>
 #include <csignal>
 #include <filesystem>
@@ -402,6 +405,60 @@ TEST_F(Tls, a_port_is_down_while_its_certificate_is_unusable) {
     EXPECT_FALSE(ground->up("l"));
     make("later", "ca", {{"localhost"}, {}});
     EXPECT_TRUE(ground->until_up("l"));
+}
+
+TEST_F(Tls, unusable_files_that_do_not_change_are_not_read_every_second) {
+    std::ofstream{dir / "gateway.pem"} << "junk";
+    const anogate::UniqueFd watch{::inotify_init1(IN_CLOEXEC | IN_NONBLOCK)};
+    ASSERT_GE(::inotify_add_watch(watch.get(), (dir / "gateway.pem").c_str(), IN_OPEN | IN_CLOSE), 0);
+    const auto opened = [&] {
+        std::size_t bytes = 0;
+        std::array<char, 4096> events{};
+        for (ssize_t n; (n = ::read(watch.get(), events.data(), events.size())) > 0;) bytes += static_cast<std::size_t>(n);
+        return bytes / sizeof(inotify_event) / 2;    // one at the end of each
+    };
+    const auto began = std::chrono::steady_clock::now();
+    ground.emplace(loop, std::vector<std::string>{"tls-listen:127.0.0.1:0,name=l" + pair("gateway") + ca()});
+    ASSERT_TRUE(ground->until([&] { return ground->link("l").at("error_id") == "tls"; })) << ground->link("l");
+    ground->run_for(4s);
+    const std::size_t count = opened();
+    EXPECT_GE(count, 1u);
+    EXPECT_LE(static_cast<double>(count), 1 + (std::chrono::steady_clock::now() - began) / 10s);
+    make("gateway", "ca", {{"localhost"}, {}});
+    EXPECT_TRUE(ground->until_up("l")) << ground->link("l");
+}
+
+TEST_F(Tls, the_certificate_of_a_computer_is_no_authority) {
+    using anogate::TlsContext;
+    const auto fault_of = [&](const std::string& name) {
+        const auto read = TlsContext::read({{}, {}, dir / (name + ".pem"), {}}, TlsContext::Side::connects);
+        return read ? std::string{} : read.error().text;
+    };
+    EXPECT_EQ(fault_of("ca"), "");
+    EXPECT_NE(fault_of("vehicle").find("is the certificate of a computer, not of an authority"), std::string::npos);
+    ASSERT_TRUE(anogate::http::make_certificate({{"self"}, {}}, dir / "self.pem", dir / "self-key.pem"));
+    EXPECT_EQ(fault_of("self"), "") << "it signed itself";
+}
+
+// The peer refuses the certificate after the handshake: the connection is lost as soon as it is open.
+TEST_F(Tls, a_connection_that_is_refused_again_and_again_is_logged_once) {
+    listen(ca());
+    make("stranger", "other", {{"stranger"}, {}});
+    LogLines log;
+    std::vector<std::string> lines;
+    const auto lines_of_link = [&] {
+        for (const std::string& line : log.pop_all())
+            if (line.starts_with("t: ")) lines.push_back(line);
+        return lines.size();
+    };
+    air.emplace(loop, std::vector<std::string>{to("localhost", pair("stranger") + ca())});
+    ASSERT_TRUE(air->until([&] { return lines_of_link() >= 2; }));
+    const std::size_t before = lines_of_link();
+    const auto failed = [&] { return ground->link("l").at("error").get<std::string>().find("5 connections were refused") == 0; };
+    ASSERT_TRUE(ground->until(failed)) << ground->link("l");
+    EXPECT_EQ(lines_of_link(), before) << testing::PrintToString(lines);
+    make("stranger", "ca", {{"vehicle"}, {}});
+    EXPECT_TRUE(air->until([&] { return lines_of_link() > before && lines.back() == "t: up"; })) << "when it stays up";
 }
 
 TEST_F(Tls, the_client_of_openssl_connects) {
