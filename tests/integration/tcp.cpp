@@ -1,6 +1,7 @@
 // TCP links over real sockets: bridges, connections that end, stay silent or are not read, cut wires, names.
 #include <link/tcp/connector.hpp>
 #include <support/link_host.hpp>
+#include <support/log_lines.hpp>
 #include <support/namespaces.hpp>
 #include <support/pty_device.hpp>
 #include <support/running_gateway.hpp>
@@ -14,6 +15,7 @@
 #include <algorithm>
 #include <chrono>
 #include <fstream>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -182,6 +184,34 @@ TEST_F(Tcp, two_programs_of_one_computer_with_the_same_host_address_both_stay_co
     ASSERT_TRUE(daemon->until([&] { return daemon->count("ground", "frames_in") == 2; }));
     const std::size_t before = one.heard().size();
     EXPECT_TRUE(daemon->until([&] { return one.heard().size() > before && !two.heard().empty(); }));
+}
+
+TEST_F(Tcp, a_host_that_reconnects_gets_the_only_place_from_its_lost_connection) {
+    ANOGATE_NEEDS_NAMESPACES();
+    NetworkNamespace here;
+    Namespace there;
+    here.join(there, "w0", "10.0.0.1/24", "10.0.0.2/24");
+    start({"tcp-listen:10.0.0.1:0,name=ground,max_peers=1,dead_after=1h", "sim:fc,hz=50,name=fc"});
+    const auto connect = [&] {
+        const Inside inside{there};
+        return std::make_unique<TcpPeer>("10.0.0.1:" + std::to_string(port("ground")));
+    };
+    const auto before = connect();
+    ASSERT_TRUE(daemon->until([&] { return before->send(vendor::who_are_you); }));
+    ASSERT_TRUE(daemon->until([&] { return !before->heard().empty(); }));
+    there.ip("rule add ipproto tcp sport " + std::to_string(anogate::local_endpoint(before->fd()).port) + " blackhole");
+    const auto unacknowledged_ms = [&] {
+        return daemon->link("ground").at("channels").at(0).value("unacknowledged_ms", std::int64_t{});
+    };
+    ASSERT_TRUE(daemon->until([&] { return unacknowledged_ms() > 1000; })) << daemon->link("ground");
+    LogLines log;
+    const auto after = connect();
+    ASSERT_TRUE(daemon->until([&] { return after->send(vendor::who_are_you); }));
+    EXPECT_TRUE(daemon->until([&] { return !after->heard().empty(); })) << daemon->link("ground");
+    const auto lines = log.pop_all();
+    EXPECT_TRUE(std::any_of(lines.begin(), lines.end(), [](const std::string& line) {
+        return line.find("another peer needed the connection") != std::string::npos;
+    })) << testing::PrintToString(lines);
 }
 
 TEST_F(Tcp, max_peers_limits_connections_and_refuses_and_reports_the_next_one) {

@@ -266,13 +266,16 @@ bool TcpListenLink::make_place(const ClientsWithoutFrame::Sender& sender, PeerBo
     return leaves;
 }
 
-// A device that restarted, or its bridge: the kernel notices only later that its old connection is lost.
+// A program or device that reconnected: the kernel notices only later that its old connection is lost. Hosts share one address, so
+// that of a host must also have acknowledged nothing.
 TcpListenLink::Connection* TcpListenLink::former_of(const ClientsWithoutFrame::Sender& sender, PeerBook::Rank rank,
                                                     TimePoint now) {
-    if (!sender.source || ano::address::is_host(*sender.source)) return nullptr;    // hosts share one address
+    if (!sender.source) return nullptr;
     for (const auto& one : connections_) {
         const bool is_same = one->address == sender.peer.address && one->has_heard(*sender.source);
-        if (is_same && now - one->heard_at() >= one_exchange && book_.rank(one->id) <= rank) return one.get();
+        const bool is_silent = now - one->heard_at() >= one_exchange;
+        const bool is_lost = !ano::address::is_host(*sender.source) || one->not_acknowledged_for() >= one_exchange;
+        if (is_same && is_silent && is_lost && book_.rank(one->id) <= rank) return one.get();
     }
     return nullptr;
 }
