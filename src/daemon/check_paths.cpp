@@ -66,6 +66,7 @@ void warn_of_interface(Draft& draft, const Origin& origin, std::string_view key,
                                                    " not found: the link waits for it; `ip link` lists the interfaces"});
 }
 
+// Of link-local addresses. The interface of the key `interface` may be a VPN, which comes up later.
 void warn_of_interfaces(Draft& draft) {
     for (std::size_t i = 0; i < draft.settings.links.size(); ++i) {
         const LinkSettings& link = draft.settings.links[i];
@@ -73,8 +74,7 @@ void warn_of_interfaces(Draft& draft) {
         if (const auto peer = link.kind->connects_to ? link.kind->connects_to(link) : std::nullopt)
             warn_of_interface(draft, draft.links[i], peer->key, peer->peer.interface);
         if (const auto bound = link.kind->bound_port ? link.kind->bound_port(link) : std::nullopt)
-            for (const std::string& name : {bound->local.interface, bound->interface})
-                warn_of_interface(draft, draft.links[i], bound->key, name);
+            warn_of_interface(draft, draft.links[i], bound->key, bound->local.interface);
     }
 }
 

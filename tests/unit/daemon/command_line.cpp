@@ -153,6 +153,16 @@ TEST(CommandLine, a_check_warns_of_paths_that_cannot_be_created) {
     EXPECT_EQ(line_of({("pty:" + file).c_str()}).warnings, "") << "the link itself says so when it starts";
 }
 
+TEST(CommandLine, a_check_warns_of_a_missing_network_interface) {
+    const auto warnings = [](const std::string& link) { return line_of({"--check", link.c_str()}).warnings; };
+    for (const char* link : {"tcp:[fe80::1%nonesuch0]:5", "udp:[fe80::1%nonesuch0]:5", "tcp-listen:[fe80::1%nonesuch0]:5"})
+        EXPECT_NE(warnings(link).find("warning: network interface 'nonesuch0' not found: the link waits for it"),
+                  std::string::npos)
+            << link << warnings(link);
+    EXPECT_EQ(warnings("tcp:[fe80::1%lo]:5"), "");
+    EXPECT_EQ(warnings("tcp:[fe80::1%1]:5"), "") << "by its number";
+}
+
 TEST(CommandLine, a_check_warns_of_settings_that_keep_the_http_interface_off) {
     const support::TempDir folder;
     const std::string certificate = folder / "certificate.pem", key = folder / "key.pem", other = folder / "other.pem";
