@@ -175,6 +175,36 @@ TEST_F(Strangers, that_displace_an_operator_do_not_drop_its_command_that_is_wait
     EXPECT_TRUE(daemon->counters_add_up());
 }
 
+TEST_F(Strangers, that_send_once_from_many_addresses_keep_no_device_from_its_place) {
+    start();
+    UdpPeer& late = stranger(59);
+    int strangers = 0;
+    const auto send_once = [&] {    // its port stays open, as one that a forged source names
+        stranger(10 + strangers++ % 49).send(to(), frame(0x40, 0xFE, 0xF1, Bytes(10, 1)));
+    };
+    const auto send_around = [&] {
+        for (int i = 0; i < 5; ++i) send_once();
+        late.send(to(), frame(0x41, 0xFE, 0xF1, Bytes(10, 2)));
+        const auto before = daemon->count("ground", "bytes_in");
+        until([&] { return daemon->count("ground", "bytes_in") > before; });
+    };
+    while (strangers < 16) send_once();
+    ASSERT_TRUE(until([&] { return places() + daemon->count("ground", "denied_in") == 16; }));
+    EXPECT_EQ(places(), 12u) << "the attack is one";
+    const auto began = std::chrono::steady_clock::now();
+    while (std::chrono::steady_clock::now() - began < anogate::PeerBook::exchange + 500ms) {
+        send_around();
+        std::this_thread::sleep_for(50ms);
+    }
+    late.forget();
+    for (std::uint8_t n = 0; n < 20; ++n) {
+        fc->send(daemon->port("air"), frame(0xFE, 0x41, 0xC0, {16, 1, n}));
+        send_around();
+    }
+    EXPECT_TRUE(until([&] { return commands_in(late.heard()) == 20; })) << commands_in(late.heard());
+    EXPECT_TRUE(daemon->counters_add_up());
+}
+
 TEST_F(Strangers, with_one_forged_datagram_receive_telemetry_for_less_than_a_minute) {
     start();
     stranger(10).send(to(), frame(0x40, 0xFE, 0xF1, Bytes(10, 1)) + frame(0x40, 0xFE, 0xF1, Bytes(10, 2)));
@@ -279,6 +309,33 @@ TEST(LocalPeers, one_seen_once_does_not_replace_one_seen_again) {
     const auto ground = daemon.link("ground");
     for (const auto& channel : ground.at("channels")) there.push_back(channel.at("peer"));
     EXPECT_EQ(there, (std::vector{first.local().text(), second.local().text()}));
+}
+
+// 20 strangers between two frames of the device, each from another port.
+TEST(LocalPeers, that_send_once_keep_no_device_from_its_place) {
+    RunningGateway daemon{udp_listen("air"), udp_listen("ground")};
+    UdpPeer station, device;
+    const auto send_around = [&] {
+        const auto before = daemon.count("air", "bytes_in");
+        const Bytes once = frame(0x40, 0xFE, 0xF1, Bytes(10, 1)), again = frame(0x41, 0xFE, 0xF1, Bytes(10, 2));
+        for (int i = 0; i < 20; ++i) UdpPeer{}.send(daemon.port("air"), once);
+        device.send(daemon.port("air"), again);
+        EXPECT_TRUE(daemon.until([&] { return daemon.count("air", "bytes_in") >= before + 21 * once.size(); }));
+    };
+    const auto began = std::chrono::steady_clock::now();
+    while (std::chrono::steady_clock::now() - began < anogate::PeerBook::exchange + 500ms) {
+        send_around();
+        daemon.run_for(100ms);
+    }
+    device.forget();
+    for (std::uint8_t n = 0; n < 40; ++n) {
+        for (int i = 0; i < 20; ++i) UdpPeer{}.send(daemon.port("air"), frame(0x40, 0xFE, 0xF1, Bytes(10, 1)));
+        station.send(daemon.port("ground"), frame(0xFE, 0x41, 0xC0, {16, 1, n}));
+        EXPECT_TRUE(daemon.until([&] { return daemon.count("ground", "frames_in") == n + 1u; }));
+        send_around();
+    }
+    EXPECT_TRUE(daemon.until([&] { return commands_in(device.heard()) == 40; })) << commands_in(device.heard());
+    EXPECT_TRUE(daemon.counters_add_up());
 }
 
 }    // namespace

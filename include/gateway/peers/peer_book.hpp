@@ -36,6 +36,8 @@ public:
         /// Of TCP: an overdue peer is replaced only when its place is needed. For ordinary peers, a /64 of IPv6 counts as one
         /// address, since one computer can use all of it.
         bool has_connections = false;
+        /// A random number, so that nobody knows which senders share a row of rejected senders.
+        std::uint64_t seed = 0;
     };
     /// The rank of a peer or an unknown sender, by its address and its frames.
     enum class Rank : std::uint8_t {
@@ -73,8 +75,9 @@ public:
     };
     /// Whether an unknown sender may become a peer.
     /// - One that sent once does not replace a peer that was received within the timeout or sent more than once.
-    /// - One that sends again, in a later exchange, replaces a silent peer, or one that sent once from an address that keeps at
-    ///   least as many places as the address of the sender would have.
+    /// - One that sends again, in a later exchange, replaces a silent peer, or one that did not send again and either is from an
+    ///   address that keeps at least as many places as the address of the sender would have, or was silent for an exchange and is
+    ///   no host that may listen.
     /// - If its address has max_of_address places, it replaces a peer of that address.
     /// - Programs of this machine replace each other, the longest silent first, but one that sent once does not replace one that
     ///   sent again.
@@ -139,14 +142,14 @@ private:
         TimePoint commanded_at{}, commanded_before{};    // its last command and the one before
     };
 
-    // An unknown sender for which there was no place.
+    // An unknown sender for which there was no free place.
     struct RejectedSender {
         Endpoint endpoint;
         TimePoint first{};
         TimePoint last{};
+        bool has_returned() const noexcept { return last - first >= exchange; }
     };
-    static constexpr std::size_t max_rejected = 64;
-    static constexpr std::size_t max_rejected_of_address = 2;
+    static constexpr std::size_t max_rejected = 1024;
 
     // A host that sent commands and lost its place.
     struct Displaced {
@@ -157,7 +160,8 @@ private:
 
     std::size_t places_of(const IpAddress& address, Rank rank) const noexcept;
     bool is_same_party(const IpAddress& a, const IpAddress& b, Rank rank) const noexcept;
-    bool keeps_retrying(const Endpoint& stranger, TimePoint now);
+    bool keeps_retrying(const Endpoint& stranger, TimePoint now) noexcept;
+    RejectedSender& row_of(const Endpoint& stranger) noexcept;
     const Peer& peer(ChannelId id) const noexcept { return peers_[index(id)]; }
     Peer& peer(ChannelId id) noexcept { return peers_[index(id)]; }
     bool has_free_place(Rank rank) const noexcept;

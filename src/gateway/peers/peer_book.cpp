@@ -20,7 +20,8 @@ PeerBook::Place PeerBook::place_for(const Endpoint& stranger, TimePoint now, Ran
         const Peer& p = peer(id);
         if (address_full ? !is_same_party(p.endpoint.address, address, rank) : !may_be_evicted(p, rank)) continue;
         const bool has_more = address_full || places_of(p.endpoint.address, rank) > of_address + 1;
-        const bool is_evictable = is_silent(p, now) ? again || !p.has_returned : again && !p.has_returned && has_more;
+        const bool sent_once = !p.has_returned && (has_more || (now - p.heard_at >= exchange && !may_listen(p)));
+        const bool is_evictable = is_silent(p, now) ? again || !p.has_returned : again && sent_once;
         const bool is_of_us = local && p.endpoint.address.is_loopback() && (again || !p.has_returned);
         if (!is_evictable && !is_of_us && !late.contains(id)) continue;
         if (!longest_silent || p.heard_at < peer(*longest_silent).heard_at) longest_silent = id;
@@ -110,24 +111,22 @@ bool PeerBook::is_same_party(const IpAddress& a, const IpAddress& b, Rank rank) 
     return std::equal(a.bytes.begin(), a.bytes.begin() + network, b.bytes.begin());
 }
 
-// An address may use only few rows here too, so that it can't replace the entries of all others.
-bool PeerBook::keeps_retrying(const Endpoint& stranger, TimePoint now) {
-    RejectedSender* oldest = rejected_.data();
-    RejectedSender* oldest_of_address = nullptr;
-    std::size_t of_address = 0;
-    for (RejectedSender& rejected : rejected_) {
-        if (rejected.endpoint == stranger) {
-            if (now - rejected.last >= options_.timeout) rejected.first = now;
-            rejected.last = now;
-            return now - rejected.first >= exchange;
-        }
-        if (rejected.last < oldest->last) oldest = &rejected;
-        if (rejected.endpoint.address != stranger.address) continue;
-        ++of_address;
-        if (!oldest_of_address || rejected.last < oldest_of_address->last) oldest_of_address = &rejected;
-    }
-    *(of_address >= max_rejected_of_address ? oldest_of_address : oldest) = {stranger, now, now};
-    return false;
+// Senders of single datagrams replace each other. One that sends again keeps its row until it is silent for an exchange.
+bool PeerBook::keeps_retrying(const Endpoint& stranger, TimePoint now) noexcept {
+    RejectedSender& row = row_of(stranger);
+    const bool is_known = row.endpoint == stranger;
+    if (!is_known && row.last > row.first && now - row.last < exchange) return false;
+    if (!is_known || now - row.last >= options_.timeout) row = {stranger, now, now};
+    row.last = now;
+    return row.has_returned();
+}
+
+// An address other than loopback has only two rows, so that it can't replace the senders of all others.
+PeerBook::RejectedSender& PeerBook::row_of(const Endpoint& stranger) noexcept {
+    constexpr std::uint64_t factor = 0x9E3779B97F4A7C15;    // odd and irregular: the upper bits of a product depend on all bits
+    std::uint64_t hash = options_.seed + (stranger.address.is_loopback() ? stranger.port : stranger.port % 2u);
+    for (const std::uint8_t byte : stranger.address.bytes) hash = (hash ^ hash >> 32 ^ byte) * factor;
+    return rejected_[(hash >> 32) % rejected_.size()];
 }
 
 void PeerBook::add(ChannelId id, const Endpoint& endpoint, bool near, TimePoint now, Rank rank) {
@@ -138,6 +137,11 @@ void PeerBook::add(ChannelId id, const Endpoint& endpoint, bool near, TimePoint 
     peer(id).rank = rank;
     peer(id).heard_at = now;
     peer(id).exchange_began = now;
+    const RejectedSender& rejected = row_of(endpoint);
+    if (rejected.endpoint == endpoint && rejected.last == now && rejected.has_returned()) {
+        peer(id).has_returned = true;
+        peer(id).once = false;
+    }
     for (const Displaced& displaced : displaced_)
         if (displaced.endpoint == endpoint) peer(id).commanded_at = displaced.commanded_at;
 }

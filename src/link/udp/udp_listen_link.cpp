@@ -36,17 +36,18 @@ constexpr Duration turn = std::chrono::microseconds{500};
 constexpr int max_batches = 16;                                    // per turn: other links wait meanwhile
 constexpr Duration at_the_end = std::chrono::milliseconds{100};    // for datagrams that wait when reading stops
 
-PeerBook::Options book_options(const UdpListenSettings& udp) {
-    const std::size_t quarter = std::max<std::size_t>(2, udp.max_peers / 4u);
-    const std::size_t kept = udp.max_peers / 4u;
-    const std::size_t for_trusted = udp.trusted.empty() ? 0 : (kept + 1) / 2;
-    return {udp.peer_timeout, udp.max_peers, udp.max_per_address ? *udp.max_per_address : quarter, kept, for_trusted};
-}
-
 // From the system's random source each time, so that the number of one sender does not help to guess that of another.
 std::uint64_t random_number() {
     std::random_device source;
     return std::uint64_t{source()} << 32 | source();
+}
+
+PeerBook::Options book_options(const UdpListenSettings& udp) {
+    const std::size_t quarter = std::max<std::size_t>(2, udp.max_peers / 4u);
+    const std::size_t kept = udp.max_peers / 4u;
+    const std::size_t for_trusted = udp.trusted.empty() ? 0 : (kept + 1) / 2;
+    const std::size_t of_address = udp.max_per_address ? *udp.max_per_address : quarter;
+    return {udp.peer_timeout, udp.max_peers, of_address, kept, for_trusted, false, random_number()};
 }
 
 void drop_all(Outbox& outbox, TimePoint now, std::uint64_t SendCounters::*cause) {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <string>
+#include <utility>
 
 namespace anogate::peer_book_tests {
 namespace {
@@ -463,6 +464,73 @@ TEST(PeerBook, on_this_machine_too_a_new_sender_does_not_displace_one_that_sent_
     book.heard(a, host, start + 1s);
     EXPECT_FALSE(book.place_for(stranger, start + 1s).free);
     EXPECT_EQ(book.place_for(stranger, start + 2s).evicted, a) << "it came again, too";
+}
+
+// A device that sends repeatedly, among strangers that send one datagram each.
+struct Flood {
+    Book book{PeerBook::Options{60s, 16, 4, 4, 2}};
+    std::array<Endpoint, 16> who{};
+
+    bool has_place(const Endpoint& one) const { return std::find(who.begin(), who.end(), one) != who.end(); }
+    void sends(const Endpoint& from, TimePoint now) {
+        for (const ChannelId id : book.overdue(now)) leave(id);
+        const auto found = std::find(who.begin(), who.end(), from);
+        if (found != who.end()) return book.heard(static_cast<ChannelId>(found - who.begin()), device, now);
+        const auto place = book.place_for(from, now);
+        if (!place.free) return;
+        if (place.evicted) leave(*place.evicted);
+        const auto unused = std::find(who.begin(), who.end(), Endpoint{});
+        *unused = from;
+        book.join_once(static_cast<ChannelId>(unused - who.begin()), from, device, now);
+    }
+    void leave(ChannelId id) {
+        book.remove(id);
+        who[anogate::index(id)] = {};
+    }
+};
+
+// The endpoint number n of many: ports of this machine, or addresses of other networks.
+Endpoint stranger(bool is_local, std::uint32_t n) {
+    const auto byte = [n](int at) { return static_cast<std::uint8_t>(n >> 8 * at); };
+    if (!is_local) return {IpAddress::v4(10, byte(2), byte(1), byte(0)), 5000};
+    return {IpAddress::v4(127, 0, byte(2), 1), static_cast<std::uint16_t>(1 + n % 60000)};
+}
+
+TEST(PeerBook, a_device_gets_its_place_for_good_within_seconds_however_many_strangers_send_once) {
+    for (const bool is_local : {true, false})
+        for (const Duration period : {Duration{1s} / 7, Duration{100ms}, Duration{20ms}})
+            for (const auto& [strangers_per_second, within] : {std::pair{140, 2s}, {1000, 2s}, {10000, 5s}}) {
+                Flood flood;
+                const Endpoint late = is_local ? at("127.0.0.1:60001") : at("192.168.1.20:5000");
+                const TimePoint first = start + 1s;
+                TimePoint next = first, lost = first;
+                std::uint32_t n = 0;
+                for (TimePoint now = start; now < first + within + 4s; now = start + n * (Duration{1s} / strangers_per_second)) {
+                    for (; next < now; next += period) flood.sends(late, next);
+                    flood.sends(stranger(is_local, n++), now);
+                    if (!flood.has_place(late)) lost = now;
+                }
+                EXPECT_LT((lost - start) / 1ms, (first + within - start) / 1ms)
+                    << is_local << " every " << period / 1ms << " ms, " << strangers_per_second << "/s";
+            }
+}
+
+TEST(PeerBook, a_device_that_sends_again_displaces_no_host_that_may_listen_and_no_peer_that_sent_again) {
+    Book book{60s, 3};
+    book.join(a, phone, host, start);
+    book.join(b, laptop, device, start);
+    book.heard(b, device, start + 1s);
+    book.join_once(c, at("10.0.0.1:1"), device, start);
+    const Endpoint late = at("10.0.0.2:1");
+    EXPECT_FALSE(book.place_for(late, start + 2s).free);
+    EXPECT_EQ(book.place_for(late, start + 3s).evicted, c);
+    book.remove(c);
+    book.add(c, late, true, start + 3s);
+    EXPECT_TRUE(book.memory(c).has_returned) << "from the start";
+    EXPECT_FALSE(book.memory(c).once);
+    const Endpoint later = at("10.0.0.3:1");
+    EXPECT_FALSE(book.place_for(later, start + 4s).free);
+    EXPECT_FALSE(book.place_for(later, start + 5s).free);
 }
 
 PeerBook::Options of_connections(std::size_t max, std::size_t of_address = 64) {
