@@ -130,7 +130,7 @@ public:
     /// first.
     Channel* open_channel(LinkId link, std::string peer, TimePoint now);
     /// Router::leave_group(), for a channel that was just opened.
-    void leave_group(Channel& channel, bool may_replace);
+    void leave_group(Channel& channel);
     void close_channel(Channel& channel);
     /// The wire of the link is connected: opens the outboxes of its channels. Call it again after a channel was opened.
     void link_up(LinkId link, TimePoint now);

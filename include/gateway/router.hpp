@@ -77,9 +77,9 @@ public:
     void set_unknown_link(LinkId link) { unknown_links_ = link; }
 
     void open(ChannelId channel, LinkId link);
-    /// Takes the new channel out of the group of its link: it is a place of its own. `may_replace`: a device that is pinned to
-    /// another link of the group, and is silent there, may move to it.
-    void leave_group(ChannelId channel, bool may_replace);
+    /// Takes the new channel out of the group of its link: it is a place of its own, and never the home of a device that is pinned
+    /// to another link.
+    void leave_group(ChannelId channel);
     /// 0: none.
     std::uint8_t group_of(ChannelId channel) const noexcept {
         return apart_.contains(channel) ? std::uint8_t{0} : links_[index(link_of_[index(channel)])].group;
@@ -205,10 +205,8 @@ private:
     void claim(std::uint8_t source, ChannelId from, TimePoint now);
     void refuse(std::uint8_t source, TimePoint now);
     void keep_conflict(std::uint8_t source, TimePoint now) noexcept;
-    /// `source` is pinned, and neither to the link of `channel` nor to one of its group.
+    /// `source` is pinned, and neither to the link of `channel` nor to one of the group of `channel`.
     bool is_outside(std::uint8_t source, ChannelId channel) const noexcept;
-    /// `source` is pinned to other links of the group, and may move to `channel` while it is silent there.
-    bool may_replace(std::uint8_t source, ChannelId channel) const noexcept;
     /// The homes of `source` that exclude one behind `channel`.
     ChannelSet rivals(std::uint8_t source, ChannelId channel) const noexcept;
     ChannelSet bounds(std::uint8_t source, ChannelId channel) const noexcept;
@@ -277,7 +275,6 @@ private:
     ChannelSet down_;         // channels whose wire is disconnected
     ChannelSet hosts_;        // channels of note_host()
     ChannelSet apart_;        // channels that are not in the group of their link
-    ChannelSet replacing_;    // those that may replace a pinned home in the group of their link
     ChannelSet devices_;      // channels where a device is at home, or was last; valid unless homes_changed_
     ChannelSet heard_any_;    // channels where any address is at home; valid as devices_
     ChannelSet silent_;       // those of devices_ on which nothing was received since

@@ -133,8 +133,8 @@ Channel* Forwarder::open_channel(LinkId id, std::string peer, TimePoint now) {
     return opened.get();
 }
 
-void Forwarder::leave_group(Channel& channel, bool may_replace) {
-    router_.leave_group(channel.id, may_replace);
+void Forwarder::leave_group(Channel& channel) {
+    router_.leave_group(channel.id);
     loop_guard_.open(channel.id, channel.link, 0, entry(channel.link).settings.allows_probes, channel.opened_at);
 }
 

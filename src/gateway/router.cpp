@@ -90,10 +90,7 @@ void Router::open(ChannelId channel, LinkId link) {
     if (links_[index(link)].broadcast) broadcast_.insert(channel);
 }
 
-void Router::leave_group(ChannelId channel, bool may_replace) {
-    apart_.insert(channel);
-    if (may_replace) replacing_.insert(channel);
-}
+void Router::leave_group(ChannelId channel) { apart_.insert(channel); }
 
 void Router::close(ChannelId channel) {
     --open_;
@@ -103,7 +100,6 @@ void Router::close(ChannelId channel) {
     down_.erase(channel);
     hosts_.erase(channel);
     apart_.erase(channel);
-    replacing_.erase(channel);
     for (ChannelSet& also : also_) also.erase(channel);
     homes_changed_ = true;
     for (ChannelSet& port : port_channels_) port.erase(channel);
@@ -400,7 +396,7 @@ void Router::learn(ChannelId from, std::uint8_t source, TimePoint now) {
         if (source == address::unassigned || source == address::broadcast) return;
         if (claims(source, from)) return claim(source, from, now);
         const bool has_homes = !known.empty() || !pinned_[source].empty();
-        const bool adds_home = has_homes && rivals(source, from).empty() && !may_replace(source, from);
+        const bool adds_home = has_homes && rivals(source, from).empty();
         homes_changed_ = true;
         if (address::is_host(source) || adds_home) known.insert(from);
         else come_back(source, from, now);
@@ -458,26 +454,18 @@ bool Router::is_outside(std::uint8_t source, ChannelId channel) const noexcept {
     const LinkSet pinned = pinned_[source];
     const LinkId link = link_of_[index(channel)];
     if (pinned.empty() || pinned.contains(link)) return false;
-    return (pinned & links_beside(link)).empty() || (apart_.contains(channel) && !replacing_.contains(channel));
+    return (pinned & links_beside(link)).empty() || apart_.contains(channel);
 }
 
-bool Router::may_replace(std::uint8_t source, ChannelId channel) const noexcept {
-    const LinkSet pinned = pinned_[source];
-    const LinkId link = link_of_[index(channel)];
-    return replacing_.contains(channel) && !pinned.contains(link) && !(pinned & links_beside(link)).empty();
-}
-
-// A pinned link is a home before the device was received there.
 ChannelSet Router::rivals(std::uint8_t source, ChannelId channel) const noexcept {
-    const ChannelSet unheard = may_replace(source, channel) ? channels_of(pinned_[source]) : ChannelSet{};
-    return (known_[source] | unheard) & bounds(source, channel);
+    return known_[source] & bounds(source, channel);
 }
 
 // A device has one home, in a group one on each link. A pinned device has one on each of its links, and one on each other link of
 // their groups.
 ChannelSet Router::bounds(std::uint8_t source, ChannelId channel) const noexcept {
     const LinkSet pinned = pinned_[source];
-    if (pinned.empty() || may_replace(source, channel)) return ~mates(channel);
+    if (pinned.empty()) return ~mates(channel);
     const LinkId link = link_of_[index(channel)];
     return channels_of((links_beside(link) - pinned) | link) - mates(channel);
 }
@@ -573,14 +561,11 @@ void Router::to_links(Route& route, LinkSet links) const {
         if (channels_of_link_[index(link)].empty()) route.absent.insert(link);
 }
 
-// Also to a home that replaces a pinned one.
 void Router::to_pinned(Route& route, std::uint8_t destination) const {
     to_links(route, pinned_[destination]);
     if (address::is_host(destination)) return;
     const ChannelSet homes = known_[destination] - down_;
     keep_homes(route.channels, pinned_[destination], homes);
-    for (const ChannelId home : homes& replacing_)
-        if (may_replace(destination, home)) route.channels.insert(home);
 }
 
 // Keeps for each link the channels where the device is at home, else all.

@@ -13,8 +13,8 @@ namespace anogate {
 inline void check_group(const LinkSettings& link, bool has_trusted, LinkFaults& faults) {
     if (link.group.empty() || has_trusted) return;
     faults.warning("group",
-                   "without 'trusted', no peer of this link is in the group, and any peer may replace a device that is silent on "
-                   "the other links: name the address of the other end in 'trusted'");
+                   "without 'trusted', no peer of this link is in the group, and a device that is silent on the other links may "
+                   "move to any peer unless it is pinned: name the address of the other end in 'trusted'");
 }
 
 inline void check_per_address(std::optional<std::uint16_t> max_per_address, std::uint16_t max_peers, LinkFaults& faults) {

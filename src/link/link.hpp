@@ -32,9 +32,8 @@ public:
     virtual void make_channel_free(PeerBook::Rank) {}
     /// The number of channels that open_channel() can still open.
     virtual std::size_t free_channels() const { return max_channels; }
-    /// For a new channel whose peer is not trusted: it is not in the group of its link. `may_replace`: a device that is pinned to
-    /// another link of the group, and is silent there, may move to it.
-    virtual void leave_group(Channel&, bool) {}
+    /// For a new channel whose peer is not trusted: it is not in the group of its link.
+    virtual void leave_group(Channel&) {}
     /// Whether another link of the group of this channel is connected, and can carry its frames.
     virtual bool has_connected_mate(const Channel&) const { return false; }
     /// `why` is for the log: what its peer did; may be empty.

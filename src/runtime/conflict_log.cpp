@@ -52,10 +52,8 @@ std::string move_text(const Gateway& gateway, const Router::Moved& moved) {
     const std::string before = names_of(gateway, moved.from);
     const Router& router = gateway.forwarder().router();
     if (!router.pinned(moved.address).empty())
-        return fmt::format(
-            "0x{:02X} moved from {} to {}, which is in the same group: frames for it now also go there. To admit only known "
-            "senders, set trusted of the listening link",
-            moved.address, before, gateway.name(moved.to));
+        return fmt::format("0x{:02X} moved from {} to {}, which is in the same group: frames for it now also go there",
+                           moved.address, before, gateway.name(moved.to));
     return fmt::format(
         "0x{:02X} moved from {} to {}: frames for it now go there. If the device is not connected there, pin it: --route "
         "0x{:02X}={}",

@@ -104,7 +104,7 @@ public:
     Channel* open_channel(Link& link, std::string peer) override;
     void make_channel_free(PeerBook::Rank to) override;
     std::size_t free_channels() const override { return max_channels - forwarder_.channels().size(); }
-    void leave_group(Channel& channel, bool may_replace) override { forwarder_.leave_group(channel, may_replace); }
+    void leave_group(Channel& channel) override { forwarder_.leave_group(channel); }
     bool has_connected_mate(const Channel& channel) const override { return forwarder_.router().has_connected_mate(channel.id); }
     void close_channel(Channel& channel, std::string_view why) override;
     void receive(Channel& from, ano::FrameView frame) override;

@@ -251,7 +251,7 @@ void TcpListenLink::begin(int fd, const ClientsWithoutFrame::Sender& sender, Cha
     connections_.push_back(std::move(connection));
     book_.add(channel.id, sender.peer, is_near, now, rank_of(sender));
     const bool is_known = is_trusted(sender.peer.address) || (sender.tls && tcp.tls.verify == TlsVerify::peer);
-    if (!settings().group.empty() && !is_known) context_.host.leave_group(channel, tcp.trusted.empty());
+    if (!settings().group.empty() && !is_known) context_.host.leave_group(channel);
     connections_.back()->encrypt_by(sender.tls);
     if (!received.rest.empty()) connections_.back()->go_on_from(std::move(received));
     connections_.back()->open(std::move(own), channel);

@@ -101,8 +101,7 @@ UdpListenLink::Peer* UdpListenLink::make_peer(const Endpoint& endpoint, TimePoin
         context_.host.close_channel(*channel, {});
         throw;
     }
-    const UdpListenSettings& udp = settings().as<UdpListenSettings>();
-    if (!settings().group.empty() && !is_trusted(endpoint.address)) context_.host.leave_group(*channel, udp.trusted.empty());
+    if (!settings().group.empty() && !is_trusted(endpoint.address)) context_.host.leave_group(*channel);
     channel->heard_at = now;         // its first frame may still be waiting behind a false header
     context_.host.link_up(*this);    // for the new channel
     book_.add(channel->id, endpoint, near, now, rank);
