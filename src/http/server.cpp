@@ -154,6 +154,9 @@ Response Server::answer(Request& request) {
     memory_seen_at_ = {};
     admission_.forget_token(request);
     request.is_foreign = admission_.is_foreign(request);
+    const Routes::Row* const row = routes_.row_for(request);
+    const bool needs_token = row && request.access < row->access;
+    if (!needs_token) request.slowed = {};    // a wrong token in a cookie counts as none
     Response response = routes_.answer(request);
     return response.status == 401 && request.slowed > ano::Duration{} ? slow_down(request.slowed) : std::move(response);
 }

@@ -60,6 +60,17 @@ TEST_F(Tokens, a_stale_cookie_locks_nobody_out) {
     EXPECT_EQ(code("GET /status", stale + "Cookie: " + name + "=" + view_token + "\r\n"), "200");
 }
 
+TEST_F(Tokens, of_others_that_are_wrong_do_not_keep_a_stale_cookie_from_paths_that_need_no_token) {
+    const std::string cookie = cookie_in(http(port, request("POST /login", {}, login)));
+    const std::string stale = "Cookie: " + cookie.substr(0, cookie.find('=')) + "=stale\r\n";
+    const std::string html = "Accept: text/html\r\nAccept-Encoding: gzip\r\n", any = "Accept: */*\r\n";
+    for (int i = 0; i < 11; ++i) code("GET /status", bearer("guess" + std::to_string(i)));
+    for (const char* const what : {"GET /", "GET /web/main.js", "GET /nothing"})
+        for (const std::string& accepted : {html, any}) EXPECT_EQ(code(what, accepted + stale), code(what, accepted)) << what;
+    EXPECT_EQ(code("POST /logout", stale), "200");
+    EXPECT_EQ(code("GET /status", stale), "429") << "where a token is needed, a cookie may be a guess";
+}
+
 TEST_F(Tokens, guessed_by_cookie_are_slowed_down_as_well) {
     const std::string in = cookie_in(http(port, request("POST /login", {}, login)));
     const std::string name = in.substr(0, in.find('='));
@@ -130,7 +141,10 @@ TEST_F(OtherSites, start_and_change_nothing_through_a_proxy_at_the_socket_either
     EXPECT_EQ(code_at_socket("POST /gpio", json + "Sec-Fetch-Site: cross-site\r\n", "{}"), "403");
     EXPECT_EQ(code_at_socket("GET /devices/0xDC/parameters", "Sec-Fetch-Site: cross-site\r\n"), "403");
     EXPECT_EQ(code_at_socket("POST /gpio", json, "{}"), "404") << "programs are no browsers";
-    for (const std::string name : {"X-Real-IP", "CF-Connecting-IP", "True-Client-IP", "Via", "Forwarded", "X-Forwarded-For"})
+    EXPECT_EQ(code_at_socket("POST /gpio", json + "Sec-Fetch-Site: none\r\nSec-Fetch-Site: cross-site\r\n", "{}"), "403");
+    for (const std::string name :
+         {"X-Real-IP", "CF-Connecting-IP", "True-Client-IP", "Via", "Forwarded", "X-Forwarded-For", "X-Client-IP",
+          "X-Cluster-Client-IP", "X-Original-Forwarded-For", "Fastly-Client-IP", "Fly-Client-IP"})
         EXPECT_EQ(code_at_socket("GET /status", name + ": 1.2.3.4\r\n"), "401") << name << " is of a proxy";
 }
 

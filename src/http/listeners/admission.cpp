@@ -31,7 +31,11 @@ std::string_view usual_port(bool is_encrypted) { return is_encrypted ? "443" : "
 bool is_passed_on(const Request& request) {
     return std::any_of(request.headers.begin(), request.headers.end(), [](const Field& field) {
         const std::string name = ano::lower_case(field.name);
-        constexpr std::string_view of_proxies[] = {"forwarded", "via", "x-real-ip", "cf-connecting-ip", "true-client-ip"};
+        constexpr std::string_view of_proxies[] = {"forwarded",           "via",
+                                                   "x-real-ip",           "x-client-ip",
+                                                   "x-cluster-client-ip", "x-original-forwarded-for",
+                                                   "cf-connecting-ip",    "true-client-ip",
+                                                   "fastly-client-ip",    "fly-client-ip"};
         return name.starts_with("x-forwarded-") ||
                std::find(std::begin(of_proxies), std::end(of_proxies), name) != std::end(of_proxies);
     });
@@ -112,13 +116,19 @@ bool Admission::is_listed(std::string_view origin) const {
                        [&](const std::string& allowed) { return ano::lower_case(origin) == ano::lower_case(allowed); });
 }
 
-// Sec-Fetch-Site has priority, since a page can't set it. Older browsers don't send it, but send Origin with requests that change
-// something.
+// Sec-Fetch-Site has priority, since a page can't set it; of several, each must allow the request. Older browsers don't send it, but
+// send Origin with requests that change something.
 bool Admission::is_foreign(const Request& request) const {
     const std::string_view origin = request.header("Origin");
-    const std::string site = ano::lower_case(request.header("Sec-Fetch-Site"));
-    if (site.empty()) return !origin.empty() && !may_ask(origin, request.header("Host"), request.connection_info.is_encrypted);
-    return site != "same-origin" && site != "none" && !is_listed(origin);
+    bool is_marked = false, is_of_other_site = false;
+    for (const Field& field : request.headers) {
+        if (field.value.empty() || ano::lower_case(field.name) != "sec-fetch-site") continue;
+        const std::string site = ano::lower_case(field.value);
+        is_marked = true;
+        is_of_other_site = is_of_other_site || (site != "same-origin" && site != "none");
+    }
+    if (is_marked) return is_of_other_site && !is_listed(origin);
+    return !origin.empty() && !may_ask(origin, request.header("Host"), request.connection_info.is_encrypted);
 }
 
 std::string Admission::cookie_name(const ConnectionInfo& connection_info) const {

@@ -42,9 +42,9 @@ public:
     /// The access of the request, or the response that refuses it. At a network listener it refuses: a Host that is not a name of
     /// this machine, since any other name may be made to resolve to it (DNS rebinding); an Origin other than our own or one of
     /// `origins`; a body that a form of any page could send; a wrong token. A wrong token in a cookie counts as no token, and the
-    /// response clears the cookie (Request::also); each different one is counted and slowed down as others are, but only where a
-    /// token is needed (Request::slowed). Requests that sign in or out ignore cookies. A token that was checked with the head of the request (Request::judged) is not checked again. A request
-    /// forwarded by a proxy needs a token at every listener.
+    /// response clears the cookie (Request::also); each different one is counted and slowed down as others are, but only at paths
+    /// that need a token (Request::slowed). Requests that sign in or out ignore cookies. A token that was checked with the head of
+    /// the request (Request::judged) is not checked again. A request forwarded by a proxy needs a token at every listener.
     tl::expected<Access, Response> judge(Request& request, ano::TimePoint now);
 
     /// Whether a request with this head may control, unless judge() refuses it. Counts nothing.

@@ -306,13 +306,17 @@ TEST(Admission, recognizes_pages_of_other_sites) {
         EXPECT_TRUE(is_foreign({{"Sec-Fetch-Site", site}}, {})) << site << ", by a proxy at the Unix socket";
         EXPECT_FALSE(is_foreign({{"Sec-Fetch-Site", site}, {"Origin", "https://ground.example"}})) << site;
     }
+    EXPECT_TRUE(is_foreign({{"Sec-Fetch-Site", "none"}, {"sec-fetch-site", "cross-site"}})) << "any of several";
+    EXPECT_TRUE(is_foreign({{"Sec-Fetch-Site", ""}, {"Sec-Fetch-Site", "cross-site"}}));
     EXPECT_TRUE(is_foreign({{"Origin", "http://evil.example"}})) << "an older browser";
     EXPECT_TRUE(is_foreign({{"Origin", "null"}}));
     EXPECT_FALSE(is_foreign({{"Origin", "http://192.168.1.5:8088"}}));
 }
 
 TEST(Admission, requires_a_token_for_proxied_requests_whatever_header_marks_them) {
-    for (const std::string name : {"X-Real-IP", "CF-Connecting-IP", "True-Client-IP", "Via", "Forwarded", "X-Forwarded-For"})
+    for (const std::string name :
+         {"X-Real-IP", "CF-Connecting-IP", "True-Client-IP", "Via", "Forwarded", "X-Forwarded-For", "X-Client-IP",
+          "X-Cluster-Client-IP", "X-Original-Forwarded-For", "Fastly-Client-IP", "Fly-Client-IP"})
         EXPECT_EQ(judged(asked({host, {name, "1.2.3.4"}}, {})), open) << name;
 }
 
