@@ -6,6 +6,7 @@
 #include <link/raw_port.hpp>
 #include <log/log_line.hpp>
 #include <runtime/gateway.hpp>
+#include <watch/frame_filter.hpp>
 
 #include <nlohmann/json.hpp>
 
@@ -53,6 +54,8 @@ public:
         if (port_) streams_.leave(*this);
     }
 
+    // Commands to the link wait for its end, so a client that is gone must not keep it.
+    ano::Duration idle(ano::Duration usual) const override { return exclusive_ ? max_silence : usual; }
     void opened(http::WebSocket& socket) override {
         socket_ = &socket;
         if (const std::string why_not = streams_.join(*this); !why_not.empty()) socket.close(policy_violation, why_not);
@@ -94,6 +97,8 @@ public:
     bool is_exclusive() const noexcept { return exclusive_; }
 
 private:
+    static constexpr ano::Duration max_silence = std::chrono::seconds{3};
+
     void send_message(const Json& what) { socket_->send(std::make_shared<const std::string>(what.dump()), Kind::text); }
     void send_lost() {
         if (lost_received_ + lost_sent_ == 0 || !port_ || socket_->waiting() > 0) return;
@@ -140,12 +145,13 @@ http::Response RawStreams::answer(const http::Request& request) {
     if (!state->link->raw_port())
         return http::error(409, "the raw bytes of a " + std::string{state->link->settings().kind->name} +
                                     " link are not available, only those of serial, hid, pty, udp, tcp and sim links");
-    const bool exclusive = request.query_value("exclusive").value_or("0") != "0";
+    const auto exclusive = parse_flag("exclusive", request.query_value("exclusive").value_or("no"));
+    if (!exclusive) return http::error(400, exclusive.error());
     const bool may_send = request.access == http::Access::control;
-    if (exclusive && !may_send) return http::not_permitted(request.access, http::Access::control);
-    if (exclusive && is_exclusive(name)) return http::error(409, "another client has exclusive use of " + in_quotes(name));
+    if (*exclusive && !may_send) return http::not_permitted(request.access, http::Access::control);
+    if (*exclusive && is_exclusive(name)) return http::error(409, "another client has exclusive use of " + in_quotes(name));
     http::Response response;
-    response.web_socket = std::make_unique<RawSocket>(*this, name, exclusive, may_send);
+    response.web_socket = std::make_unique<RawSocket>(*this, name, *exclusive, may_send);
     return response;
 }
 

@@ -199,7 +199,7 @@ private:
     void prepare(ano::Duration handshake) {
         websocket::stream_base::timeout patience{};
         patience.handshake_timeout = handshake;
-        patience.idle_timeout = limits_.idle;
+        patience.idle_timeout = user_->idle(limits_.idle);
         patience.keep_alive_pings = true;
         socket_.set_option(patience);
         socket_.read_message_max(limits_.message);

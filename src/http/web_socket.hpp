@@ -59,6 +59,8 @@ public:
     virtual ~WebSocketUser() = default;
     /// The subprotocol chosen from those that the client offered; empty: none.
     virtual std::string_view subprotocol() const { return {}; }
+    /// The connection ends after this time without any data or pong from the client. `usual`: WebSocketLimits::idle.
+    virtual ano::Duration idle(ano::Duration usual) const { return usual; }
     /// Called first.
     virtual void opened(WebSocket& socket) = 0;
     virtual void heard(std::string_view message, WebSocket::Kind kind) = 0;

@@ -81,10 +81,9 @@ Fault read_format(std::string_view word, FrameFormat& format) {
 }
 
 Fault read_flag(std::string_view name, std::string_view word, bool& flag) {
-    constexpr std::string_view words[] = {"yes", "no"};
-    if (word != "yes" && word != "no") return is_not(name, word, "is neither yes nor no") + ano::did_you_mean(word, words);
-    flag = word == "yes";
-    return {};
+    const auto given = parse_flag(name, word);
+    if (given) flag = *given;
+    return given ? Fault{} : given.error();
 }
 
 Fault read_batch(std::string_view word, ano::Duration& batch) {
@@ -153,6 +152,12 @@ private:
 };
 
 }    // namespace
+
+Expected<bool> parse_flag(std::string_view name, std::string_view value) {
+    constexpr std::string_view words[] = {"yes", "no"};
+    if (value.empty() || value == "yes" || value == "no") return value != "no";
+    return Unexpected{is_not(name, value, "is neither yes nor no") + ano::did_you_mean(value, words)};
+}
 
 std::variant<FrameQuery, std::string> parse_frame_query(std::span<const http::Field> query,
                                                         std::span<const std::string_view> links) {

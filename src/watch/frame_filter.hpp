@@ -5,6 +5,7 @@
 #include <gateway/frame_record.hpp>
 #include <gateway/ids.hpp>
 #include <http/request.hpp>
+#include <sys/expected.hpp>
 
 #include <array>
 #include <bitset>
@@ -44,6 +45,9 @@ struct FrameQuery {
 /// the names of all links. A string: the error.
 std::variant<FrameQuery, std::string> parse_frame_query(std::span<const http::Field> query,
                                                         std::span<const std::string_view> links);
+
+/// The value of a parameter that is yes or no; empty, as in "?raw": yes.
+Expected<bool> parse_flag(std::string_view name, std::string_view value);
 
 /// Passes the given number of frames per second, link, sender and id. If two combinations share a place of the hash table, more
 /// frames may pass.

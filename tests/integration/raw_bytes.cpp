@@ -4,13 +4,17 @@
 #include <link/serial/serial_settings.hpp>
 #include <support/controlled_gateway.hpp>
 #include <support/files.hpp>
+#include <support/http.hpp>
 #include <support/process.hpp>
 #include <support/pty_device.hpp>
 #include <support/tcp_peer.hpp>
 #include <support/udp_peer.hpp>
 #include <support/v7_vectors.hpp>
+#include <sys/unique_fd.hpp>
 
 #include <gtest/gtest.h>
+
+#include <unistd.h>
 
 #include <algorithm>
 #include <csignal>
@@ -103,6 +107,43 @@ TEST_F(RawBytes, in_exclusive_use_no_frame_is_sent_on_the_link_until_the_client_
         return device.heard().size() > 4;
     }));
     EXPECT_TRUE(gateway.gateway.counters_add_up());
+}
+
+TEST_F(RawBytes, are_not_in_exclusive_use_if_the_client_does_not_want_that) {
+    MessageClient raw{gateway, "/links/fc/raw?exclusive=no"}, exclusive{gateway, "/links/fc/raw?exclusive=yes"};
+    ASSERT_TRUE(until_begins(raw) && until_begins(exclusive));
+    EXPECT_EQ(json::parse(raw.texts().at(0)).at("exclusive"), false);
+    EXPECT_EQ(json::parse(exclusive.texts().at(0)).at("exclusive"), true);
+    MessageClient neither{gateway, "/links/fc/raw?exclusive=false"};
+    EXPECT_TRUE(until([&] { return neither.ended.has_value(); }));
+    EXPECT_EQ(neither.ended->answer.status, 400u);
+    EXPECT_NE(neither.ended->answer.body.find("exclusive='false' is neither yes nor no"), std::string::npos);
+}
+
+// As after a loss of the network: it neither closes its connection nor answers a ping.
+TEST_F(RawBytes, in_exclusive_use_by_a_client_that_is_gone_are_free_again_within_five_seconds) {
+    const anogate::UniqueFd lost{connect_unix(gateway.path)};
+    const std::string request =
+        "GET /links/fc/raw?exclusive HTTP/1.1\r\nHost: localhost\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n"
+        "Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n";
+    ASSERT_EQ(::write(lost.get(), request.data(), request.size()), static_cast<ssize_t>(request.size()));
+    ASSERT_TRUE(
+        wait_until([&] { return gateway.ask("GET", "/status").body.find(R"("hint_id":"exclusive_use")") != std::string::npos; }));
+    const auto began = std::chrono::steady_clock::now();
+    EXPECT_TRUE(until([&] {
+        send_command();
+        return !device.heard().empty();
+    }));
+    EXPECT_LT(std::chrono::steady_clock::now() - began, 5s);
+}
+
+TEST_F(RawBytes, in_exclusive_use_by_a_client_that_answers_pings_stay_so) {
+    MessageClient raw{gateway, "/links/fc/raw?exclusive"};
+    ASSERT_TRUE(until_begins(raw));
+    gateway.gateway.run_for(5s);
+    EXPECT_FALSE(raw.ended.has_value());
+    send_command();
+    EXPECT_TRUE(until([&] { return count("denied_out") == 1; }));
 }
 
 TEST_F(RawBytes, are_rejected_for_other_link_kinds) {
