@@ -106,7 +106,9 @@ Hint shared_by(SharedSource shared) {
     case SharedSource::two_peers: return hint("two_peers_one_device", "two peers send as the same device: ");
     case SharedSource::claims_pinned:
         return hint("pinned_address_claimed", "frames from a pinned address arrive on another link: ");
-    case SharedSource::of_a_group: return hint("untrusted_peer_of_group", "an untrusted peer sends as a device of the group: ");
+    case SharedSource::of_a_group:
+        return hint("untrusted_peer_of_group",
+                    "an untrusted peer sends as a device of the group, `conflicts` in the status names both places: ");
     }
     return {};
 }
@@ -263,7 +265,7 @@ std::string_view advice_on(SharedSource shared) {
     case SharedSource::claims_pinned:
         return "its route does not change; if it is one device, put both links in one `group`; if two, change the id of "
                "the other one";
-    case SharedSource::of_a_group: return "if it is the device, add the address of the peer to `trusted`";
+    case SharedSource::of_a_group: return "add an address to `trusted` only if you know that it is your device's";
     }
     return {};
 }

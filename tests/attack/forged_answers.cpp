@@ -185,7 +185,7 @@ TEST_P(ForgedAnswers, are_reported_with_hints_that_fit_the_configuration) {
     EXPECT_EQ(conflict().at("pinned"), GetParam().is_pinned);
     ASSERT_TRUE(daemon->until_says("claimed by net ("));
     if (*GetParam().keys != '\0') {
-        EXPECT_TRUE(daemon->until_says("if it is the device, add the address of the peer to `trusted`"));
+        EXPECT_TRUE(daemon->until_says("add an address to `trusted` only if you know that it is your device's"));
         EXPECT_EQ(daemon->output().find("--route"), std::string::npos) << daemon->output();
     } else if (GetParam().is_pinned) {
         EXPECT_TRUE(daemon->until_says("0xDC is pinned to fc, and is claimed by net (127.0.0.1:"));

@@ -17,7 +17,7 @@ export const hints: Record<string, string> = {
   one_device_on_two_links: "两条链路收到相同的帧：如果是一个设备，请给两条链路设置同一个 group；如果是两个设备，请修改其中一个的 ID（{device}）",
   two_devices_one_id: "两条链路收到同一 ID 的不同帧：如果是两个设备，请修改其中一个的 ID（{device}）",
   two_peers_one_device: "两个对端以同一设备的身份发送：见“需要处理”；如果是两个设备，请修改其中一个的 ID（{device}）",
-  untrusted_peer_of_group: "一个不在 trusted 里的对端以组内设备的名义发送：如果它就是该设备，请把对端地址加到 trusted（{device}）",
+  untrusted_peer_of_group: "一个不在 trusted 里的对端以组内设备的名义发送，两处所在见“需要处理”：只把您确知属于自己设备的地址加到 trusted（{device}）",
   pinned_address_claimed: "另一条链路收到来自已固定地址的帧：路由不变；如果是一个设备，请给两条链路设置同一个 group；如果是两个设备，请修改另一个的 ID（{device}）",
   no_host_takes: "本页面可以看到这些数据，但还没有登记接收它们的上位机：请让上位机先发送一帧，或者添加 --route 0xFE=链路",
   hosts_link_down: "最近一次在 {link} 上收到上位机的帧，而该链路已断开：请恢复该链路，或者添加 --route 0xFE=链路",
