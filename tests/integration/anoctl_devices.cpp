@@ -63,7 +63,7 @@ TEST_F(AnoctlDevices, parameters_are_listed_read_and_written) {
 TEST_F(AnoctlDevices, errors_are_reported_with_their_exit_status) {
     const Ran unknown = anoctl({"param", "get", "SIM_TRN"});
     EXPECT_EQ(unknown.exit, 1);
-    EXPECT_TRUE(contains(unknown.output, "anoctl: no parameter is named 'SIM_TRN'")) << unknown.output;
+    EXPECT_TRUE(contains(unknown.output, "anoctl: unknown parameter 'SIM_TRN' (did you mean 'SIM_TURN'?)")) << unknown.output;
     const Ran range = anoctl({"param", "set", "SIM_TURN", "300"});
     EXPECT_EQ(range.exit, 1) << range.output;
     EXPECT_EQ(anoctl({"param", "sett", "A", "1"}).output.find("anoctl: unknown action 'sett' (did you mean 'set'?)"), 0u);

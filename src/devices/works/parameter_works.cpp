@@ -1,4 +1,5 @@
 #include <ano_json/compact_json.hpp>
+#include <ano_json/nearest.hpp>
 #include <ano_json/text.hpp>
 #include <devices/device_json.hpp>
 #include <devices/rows_text.hpp>
@@ -117,8 +118,15 @@ protected:
             for (const ano::host::ParameterInfo& one : all)
                 if ((one.type || !one.name.empty()) && std::to_string(one.id) == word) found.parameter = &one;
         if (found.several) finish(ambiguous(word, all));
-        else if (found.parameter == nullptr) finish(work_fault(404, "unknown parameter " + ano::in_quotes(word)));
+        else if (found.parameter == nullptr) finish(unknown(word, all));
         return found.parameter;
+    }
+    WorkEnd unknown(const std::string& word, const std::vector<ano::host::ParameterInfo>& all) const {
+        std::vector<std::string> names;
+        for (const ano::host::ParameterInfo& one : all)
+            if (!one.name.empty()) names.push_back(texts().display_text(one.name));
+        return work_fault(404, "unknown parameter " + ano::in_quotes(word) +
+                                   ano::did_you_mean(word, std::vector<std::string_view>{names.begin(), names.end()}));
     }
 
     /// A value that is not as long as its type is not shown: its low bytes are not the value, and writing it is refused as well.
@@ -182,10 +190,13 @@ private:
         for (std::size_t n = 0; n < RowsText::rows_a_turn && listed_ < end_of_rows_; ++n, ++listed_) {
             ano::host::ParameterInfo row = all[listed_];
             row.id = static_cast<std::uint16_t>(listed_);
-            if (is_wanted(row)) text_->add(ParameterWork::row(row, value(row.id), order_.values));
+            if (!is_wanted(row)) continue;
+            text_->add(ParameterWork::row(row, value(row.id), order_.values));
+            has_wanted_ = true;
         }
         if (text_->size() > RowsText::max_bytes) return finish(too_many_bytes(device.address()));
         if (listed_ < end_of_rows_) return;
+        if (order_.words && !has_wanted_ && end_->error.empty()) return finish(unknown(order_.words->front(), all));
         Json tail = Json::object();
         if (end_of_rows_ < all.size()) tail["missing_from"] = end_of_rows_;
         if (!end_->error.empty()) tail["incomplete"] = end_->error;
@@ -210,6 +221,7 @@ private:
     std::optional<WorkEnd> end_;
     std::optional<RowsText> text_;
     std::size_t listed_ = 0, end_of_rows_ = 0;
+    bool has_wanted_ = false;
 };
 
 class ReadOne final : public ParameterWork {

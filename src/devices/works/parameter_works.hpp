@@ -15,7 +15,7 @@ namespace anogate {
 struct ParameterOrder {
     bool values = true;                                 // with their values
     bool known = false;                                 // without values: as read before, if the device was not away since
-    std::optional<std::vector<std::string>> words{};    // names or numbers of the wanted ones; unknown ones are ignored
+    std::optional<std::vector<std::string>> words{};    // names or numbers of the wanted ones; at least one must be known
 };
 std::unique_ptr<Work> read_parameters(const WorkPlace& place, ParameterOrder order);
 /// The parameter with this name or number.

@@ -51,6 +51,17 @@ TEST_F(ParameterRoutes, a_parameter_that_was_removed_meanwhile_is_reported_as_un
     EXPECT_EQ(answer.at("error"), "unknown parameter 'I16'");
 }
 
+TEST_F(ParameterRoutes, an_unknown_name_is_an_error_that_names_a_similar_one) {
+    for (const char* const path : {"/devices/0xDC/parameters?name=I61", "/devices/0xDC/parameters/I61"}) {
+        const auto [status, answer] = net.ask("GET", path);
+        EXPECT_EQ(status, 404u) << path;
+        EXPECT_EQ(answer.at("error"), "unknown parameter 'I61' (did you mean 'I16'?)") << path;
+    }
+    const auto [status, some] = net.ask("GET", "/devices/0xDC/parameters?name=I16&name=NOPE");
+    EXPECT_EQ(status, 200u);
+    EXPECT_EQ(some.at("parameters").size(), 1u) << "an unknown one among others is left out";
+}
+
 TEST_F(ParameterRoutes, without_values_only_descriptions_are_read) {
     const json all = net.ask("GET", "/devices/220/parameters?values=0").json;
     EXPECT_EQ(all.at("parameters")[0], json::parse(R"({"id": 0, "name": "U8", "type": "u8", "text": "a byte"})"));
