@@ -210,16 +210,30 @@ bool is_text(std::string_view begin) {
     return false;
 }
 
-/// The number of bytes from `at` on that are `pad`; std::nullopt: they can't be read.
-std::optional<std::size_t> padding(const FirmwareBytes& file, std::size_t at, char pad) {
+/// The number of bytes from `at` on up to the first that `is_like` does not accept; std::nullopt: they can't be read.
+template <class IsLike>
+std::optional<std::size_t> length_of(const FirmwareBytes& file, std::size_t at, IsLike is_like) {
     std::vector<std::uint8_t> bytes(piece);
     for (std::size_t next = at; next < file.size(); next += bytes.size()) {
         bytes.resize(std::min(piece, file.size() - next));
         if (!file.read(next, bytes)) return std::nullopt;
-        const auto other = std::find_if(bytes.begin(), bytes.end(), [&](std::uint8_t b) { return static_cast<char>(b) != pad; });
+        const auto other = std::find_if(bytes.begin(), bytes.end(),
+                                        [&](std::uint8_t b) { return !is_like(static_cast<char>(b)); });
         if (other != bytes.end()) return next - at + static_cast<std::size_t>(other - bytes.begin());
     }
     return file.size() - at;
+}
+
+/// The number of bytes from `at` on that are `pad`; std::nullopt: they can't be read.
+std::optional<std::size_t> padding(const FirmwareBytes& file, std::size_t at, char pad) {
+    return length_of(file, at, [pad](char c) { return c == pad; });
+}
+
+/// Nothing but characters and zeros, and erased flash behind them. Not: only zeros.
+bool is_text_with_zeros(const FirmwareBytes& file, std::string_view begin) {
+    if (begin.find_first_not_of('\0') == std::string_view::npos) return false;
+    const auto length = length_of(file, 0, [](char c) { return c == '\0' || is_printed(c); });
+    return length && *length > 0 && padding(file, *length, erased) == file.size() - *length;
 }
 
 /// A text followed only by zeros or erased flash.
@@ -269,6 +283,7 @@ std::string looks_unlike_firmware(const FirmwareBytes& whole) {
     if (begins_as_form(begin)) return "this is a form of a web page (multipart/form-data); send the file itself";
     if (is_text(begin)) return "this is a text file";
     if (is_text_and_padding(file, begin)) return "this is a text file with padding behind it";
+    if (is_text_with_zeros(file, begin)) return "this is a text file with zeros in it";
     return {};
 }
 

@@ -75,6 +75,18 @@ TEST(UnlikeFirmware, is_a_text_followed_by_zeros_but_not_an_image_that_starts_wi
     EXPECT_EQ(doubt_about(zeros), "");
 }
 
+TEST(UnlikeFirmware, is_a_text_with_zeros_in_it) {
+    std::string text;
+    for (int i = 0; i < 2000; ++i) text += "line " + std::to_string(i) + '\n';
+    for (const std::size_t zeros : {1u, 2u, 3u, 4u, 2000u}) {
+        const std::string some(zeros, '\0');
+        expect_doubt(some + text, "text", "");
+        expect_doubt("a" + some + text + some + text, "text", "");
+        expect_doubt(text + some + text + std::string(3000, '\xFF'), "text", "");
+        EXPECT_EQ(doubt_about("a" + some + text + "\x01"), "") << "an image may have texts";
+    }
+}
+
 TEST(UnlikeFirmware, is_a_picture_or_a_program_of_another_system) {
     expect_doubt(with_bytes("\x89PNG\r\n\x1A\n"), "picture", "");
     expect_doubt(with_bytes("\xFF\xD8\xFF\xE0"), "picture", "");
