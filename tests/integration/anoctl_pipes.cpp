@@ -65,6 +65,25 @@ TEST(AnoctlPipes, a_frame_is_shown_as_soon_as_it_is_received) {
     EXPECT_TRUE(piped.anoctl().is_running());
 }
 
+// Opening it would wait for a writer. A pipe of the shell, <(command), has one.
+TEST(AnoctlPipes, a_named_pipe_is_not_opened_as_a_file) {
+    const TempDir dir;
+    const std::string pipe = dir / "pipe";
+    ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+    for (const std::vector<std::string>& words : {std::vector<std::string>{"decode", pipe},
+                                                  {"info", pipe},
+                                                  {"convert", pipe, dir / "out.csv"},
+                                                  {"flash", pipe, "--yes"}}) {
+        Process anoctl{ANOCTL, words};
+        ASSERT_TRUE(wait_until([&] { return !anoctl.is_running(); })) << words[0] << " waits";
+        EXPECT_EQ(anoctl.wait(), 2) << words[0];
+        EXPECT_NE(anoctl.output().find(pipe + ": is not a regular file"), std::string::npos) << words[0] << anoctl.output();
+    }
+    Process of_shell{"/bin/bash", {"-c", "exec \"$0\" decode <(printf '\\xAB')", ANOCTL}};
+    EXPECT_EQ(of_shell.wait(), 1);
+    EXPECT_EQ(of_shell.output().find("regular file"), std::string::npos) << of_shell.output();
+}
+
 TEST(AnoctlPipes, a_line_is_encoded_as_soon_as_it_is_received) {
     Piped piped{"encode -"};
     for (const std::string& piece : {json.substr(0, 9), json.substr(9) + json + json.substr(0, 20)})

@@ -125,12 +125,23 @@ std::string misread_value_hint(const CLI::App& command, const Options& options) 
     return {};
 }
 
+/// An option of a command that was given before the command.
+void reject_misplaced_option(int argc, const char* const* argv) {
+    const std::string option = argv[1], name = option.substr(0, option.find('='));
+    for (const std::string_view shared : {"-h", "--help", "-V", "--version"})
+        if (name == shared) return;
+    for (int i = 2; i < argc; ++i)
+        for (const Subcommand& s : subcommands())
+            if (s.name == std::string_view{argv[i]})
+                throw UsageError{"place " + name + " after the command: anoctl " + s.name + " " + option + " ..."};
+}
+
 void reject_unknown_command(int argc, const char* const* argv) {
     if (argc < 2) throw UsageError{"missing command" + commands() + "; for help: anoctl COMMAND --help"};
     for (const std::string_view shared : {"--json", "--control"})
         if (std::string_view{argv[1]}.starts_with(shared))
             throw UsageError{std::string{shared} + " requires a command" + commands()};
-    if (argv[1][0] == '-') return;
+    if (argv[1][0] == '-') return reject_misplaced_option(argc, argv);
     std::vector<std::string_view> names;
     for (const Subcommand& s : subcommands()) {
         if (s.name == std::string_view{argv[1]}) return;

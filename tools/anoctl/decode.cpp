@@ -1,4 +1,5 @@
 // anoctl decode [HEX|FILE|-]: decodes bytes to frames.
+#include <anoctl/device/file_text.hpp>
 #include <anoctl/recording/gap.hpp>
 #include <anoctl/text/frame_printer.hpp>
 #include <anoctl/text/hex_text.hpp>
@@ -11,7 +12,6 @@
 #include <nlohmann/json.hpp>
 #include <record/recording_writer.hpp>
 
-#include <fcntl.h>
 #include <poll.h>
 #include <unistd.h>
 
@@ -250,7 +250,7 @@ private:
     template <class Version>
     void read_file(Decoder<Version>& decoder) const {
         const std::string& path = input[0];
-        const int fd = input.size() == 1 ? open(path.c_str(), O_RDONLY | O_CLOEXEC) : -1;
+        const int fd = input.size() == 1 ? open_input(path) : -1;
         if (fd < 0) throw UsageError{complaint()};
         const std::unique_ptr<const int, void (*)(const int*)> closer{&fd, [](const int* p) { close(*p); }};
         if (anogate::recording_format_of(path))

@@ -119,6 +119,15 @@ TEST(Anoctl, accepts_json_before_the_command) {
     EXPECT_EQ(anoctl({"--json", "encod"}).err.rfind("anoctl: unknown command 'encod' (did you mean 'encode'?)", 0), 0u);
 }
 
+TEST(Anoctl, names_the_place_of_an_option_of_a_command) {
+    EXPECT_EQ(anoctl({"--yes", "command", "LAND"}).err, "anoctl: place --yes after the command: anoctl command --yes ...\n");
+    EXPECT_EQ(anoctl({"--json", "--device=0xDC", "param", "list"}).err,
+              "anoctl: place --device after the command: anoctl param --device=0xDC ...\n");
+    EXPECT_EQ(anoctl({"--device", "0xDC", "param", "list"}).err,
+              "anoctl: place --device after the command: anoctl param --device ...\n");
+    EXPECT_EQ(anoctl({"--yes"}).exit, 2);
+}
+
 TEST(Anoctl, help_of_a_command_lists_only_the_options_that_it_accepts) {
     EXPECT_NE(anoctl({"--help"}).out.find("--json"), std::string::npos);
     for (const char* words : {"Devices:", "Recordings:", "Gateway:", "Examples:"})

@@ -101,6 +101,13 @@ TEST_F(Certificate, for_another_computer_says_which_files_to_copy_and_prints_its
     EXPECT_NE(other.out.find(":12334," + files, other.out.find("    tls:")), std::string::npos) << other.out;
 }
 
+TEST_F(Certificate, is_not_made_for_an_empty_name) {
+    const auto made = make({""});
+    EXPECT_EQ(made.exit, 2);
+    EXPECT_EQ(made.err, "anoctl: NAME is an empty name; for the certificate of this computer, omit it\n");
+    EXPECT_TRUE(std::filesystem::is_empty(into));
+}
+
 TEST_F(Certificate, that_exists_is_replaced_on_request_by_one_of_the_same_authority) {
     ASSERT_EQ(make({"vehicle"}).exit, 0);
     const std::string authority = read("ca.pem"), first = read("vehicle.pem"), key = read("vehicle-key.pem");

@@ -4,6 +4,7 @@
 #include <anoctl/say.hpp>
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -18,9 +19,23 @@ std::string why() { return std::generic_category().message(errno); }
 
 }    // namespace
 
+int open_input(const std::string& path) {
+    const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOCTTY | O_NONBLOCK);
+    if (fd < 0) return fd;
+    struct stat about {};
+    const bool is_known = ::fstat(fd, &about) == 0;
+    const bool is_of_system = path.starts_with("/dev/") || path.starts_with("/proc/");
+    if (is_known && !S_ISREG(about.st_mode) && !S_ISDIR(about.st_mode) && !is_of_system) {
+        ::close(fd);
+        throw UsageError{path + ": is not a regular file"};
+    }
+    ::fcntl(fd, F_SETFL, ::fcntl(fd, F_GETFL) & ~O_NONBLOCK);
+    return fd;
+}
+
 std::string read_text_file(const std::string& path, std::size_t max_bytes) {
     if (path.empty()) throw UsageError{"FILE is an empty name"};
-    const int fd = path == "-" ? ::dup(STDIN_FILENO) : ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    const int fd = path == "-" ? ::dup(STDIN_FILENO) : open_input(path);
     if (fd < 0) throw UsageError{path + ": cannot read: " + why()};
     std::string text;
     char room[64 * 1024];

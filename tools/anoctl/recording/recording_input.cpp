@@ -1,6 +1,7 @@
 #include "recording_input.hpp"
 
 #include <anoctl/counted.hpp>
+#include <anoctl/device/file_text.hpp>
 
 #include <record/mcap/mcap_format.hpp>
 #include <record/mcap/mcap_index.hpp>
@@ -28,7 +29,7 @@ constexpr std::size_t piece = 256 * 1024;
 RecordingInput::RecordingInput(const std::string& path, Streams& streams)
     : path_{path}, fd_{-1}, room_(piece), reader_{anogate::make_recording_reader({})} {
     if (path.empty()) throw UsageError{"FILE is an empty name"};
-    fd_ = path == "-" ? ::dup(streams.in) : ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOCTTY);
+    fd_ = path == "-" ? ::dup(streams.in) : open_input(path);
     if (fd_ < 0) fail_to_read(path);
 }
 

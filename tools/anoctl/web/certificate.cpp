@@ -33,13 +33,13 @@ constexpr char another_folder[] = "; choose another folder with --into";
 constexpr char folder_there[] = "/etc/anogate";
 
 struct CertificateCommand {
-    std::string name;
-    std::optional<std::string> into;
+    std::optional<std::string> name, into;
     bool renew = false, json = false;
 
     int run(Streams& streams) const {
         const Computer computer = this_computer();
-        const std::string whose = name.empty() ? computer.name : name;
+        if (name && name->empty()) throw UsageError{"NAME is an empty name; for the certificate of this computer, omit it"};
+        const std::string whose = name.value_or(computer.name);
         if (!anogate::is_host_name(whose) && !anogate::IpAddress::parse(whose))
             throw UsageError{ano::in_quotes(whose) + " is not a host name or an IP address"};
         if (whose == "ca" || whose.ends_with("-key"))
