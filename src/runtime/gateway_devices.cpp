@@ -46,6 +46,17 @@ ano::Encoding encoding_of(TextEncoding encoding) {
 // Whether `name` is a file of keep() for devices: a note, or alarm limits.
 bool is_kept_name(std::string_view name) { return is_note(name) || address_of_limits_file(name); }
 
+// Whether it is the unfinished state of any configuration, for the file of one that does not start again. Another gateway of this user
+// may write such a file now, which takes less than a minute.
+bool is_abandoned(const std::filesystem::path& file, std::string_view name) {
+    constexpr std::string_view states[] = {"flexible-", "parameters-", "unconfirmed-"};    // kept_path()
+    if (std::none_of(std::begin(states), std::end(states), [&](std::string_view state) { return name.starts_with(state); }))
+        return false;
+    std::error_code ec;
+    const auto written_at = std::filesystem::last_write_time(file, ec);
+    return !ec && std::filesystem::file_time_type::clock::now() - written_at > std::chrono::minutes{1};
+}
+
 // The host of a peer in a network, without the port, which changes when a program restarts.
 std::string_view host_of(const Channel& channel) { return std::string_view{channel.peer}.substr(0, channel.peer.rfind(':')); }
 std::string group_of(const Gateway& gateway, const Channel& channel) {
@@ -167,7 +178,7 @@ void GatewayDevices::remember_notes() {
     for (const auto& entry : std::filesystem::directory_iterator{folder, ec}) {
         const std::string name = entry.path().filename().string();
         if (!name.ends_with(unfinished)) remember_file(folder, name);
-        else if (is_kept_name(name.substr(0, name.size() - unfinished.size())))
+        else if (is_kept_name(name.substr(0, name.size() - unfinished.size())) || is_abandoned(entry.path(), name))
             forget_file(entry.path().string());    // writing it was interrupted
     }
 }
@@ -226,7 +237,11 @@ void GatewayDevices::keep(std::string name, std::string text, std::function<void
             *fault = text.empty() ? forget_file(path)
                                   : write_atomically(path, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
         },
-        [fault, done = std::move(done)](const std::string& thrown) { done(thrown.empty() ? *fault : thrown); });
+        [fault, done = std::move(done)](const std::string& thrown) {
+            const std::string why = thrown.empty() ? *fault : thrown;
+            if (!why.empty()) log_warning("{}; after a restart, the gateway does not have it", why);
+            done(why);
+        });
 }
 
 void GatewayDevices::aside(std::function<void()> work, std::function<void(std::string fault)> done) {

@@ -114,14 +114,38 @@ TEST_F(Files, that_were_left_half_written_are_removed) {
     std::vector<std::string> left{dir / "state/token.2147483646", write_atomically("unconfirmed") + ".new",
                                   dir / "state/flexible.json.new", dir / "state/firmware-0xDC.json.new"};
     for (const char* name : of_devices) left.push_back(dir / ("state/" + std::string{name} + ".new"));
+    const std::string of_another[] = {dir / "state/flexible-1.json.new", dir / "state/parameters-1.json.new",
+                                      dir / "state/unconfirmed-1.new"};
+    left.insert(left.end(), std::begin(of_another), std::end(of_another));
     for (const std::string& file : left) std::ofstream{file} << "half";
+    for (const std::string& file : of_another) fs::last_write_time(file, fs::file_time_type::clock::now() - 2min);
+    const std::string being_written = dir / "state/flexible-2.json.new";
+    std::ofstream{being_written} << "half";
     std::ofstream{dir / "state/token.old"} << "a copy of the user's";
     Daemon daemon{ANOGATED, dir / "control.sock", {"--config", config_with_http}, environment()};
     ASSERT_TRUE(daemon.until_says("http://127.0.0.1:")) << daemon.output();
     ASSERT_TRUE(daemon.until_answers());
     for (const std::string& file : left) EXPECT_FALSE(fs::exists(file)) << file;
+    EXPECT_TRUE(fs::exists(being_written)) << "another gateway may be writing it";
     EXPECT_TRUE(fs::exists(dir / "state/token.old"));
     EXPECT_TRUE(fs::exists(dir / "state/token"));
+}
+
+TEST_F(Files, about_an_upgrade_that_cannot_be_written_to_a_full_disk_are_logged) {
+    fs::create_directory(dir / "state");
+    const SmallDisk disk{dir / "state", "64k"};
+    if (!disk.why_not().empty()) GTEST_SKIP() << disk.why_not();
+    std::ofstream{dir / "state/full"} << std::string(64 * 1024, 'x') << std::flush;
+    Daemon daemon{ANOGATED, dir / "control.sock", {"sim:fc"}, environment()};
+    ASSERT_TRUE(daemon.until_answers()) << daemon.output();
+    const std::string image = std::string(512, '\1');
+    const std::string flashed = http(dir / "control.sock",
+                                     "POST /devices/0xDC/firmware HTTP/1.0\r\nContent-Type: application/octet-stream\r\n"
+                                     "Content-Length: " +
+                                         std::to_string(image.size()) + "\r\n\r\n" + image);
+    EXPECT_NE(flashed.find("202 Accepted"), std::string::npos) << flashed;
+    EXPECT_TRUE(daemon.until_says("state/firmware-0xDC")) << daemon.output();
+    EXPECT_TRUE(daemon.until_says("No space left on device; after a restart")) << daemon.output();
 }
 
 TEST_F(Files, that_cannot_be_written_to_a_full_disk_are_reported) {
