@@ -65,6 +65,7 @@ TEST(RawText, a_device_can_not_control_the_terminal) {
         << "the direction of text";
     EXPECT_EQ(harmless("\xE2\x80\x8B\xEF\xBB\xBF"), "\\u{200B}\\u{FEFF}");
     EXPECT_EQ(harmless("\u034F\u115F\u1160\u3164\uFFA0\u2800"), "\\u{034F}\\u{115F}\\u{1160}\\u{3164}\\u{FFA0}\\u{2800}");
+    EXPECT_EQ(harmless("\u17B4\u180B\uFE0F\U0001D173"), "\\u{17B4}\\u{180B}\\u{FE0F}\\u{1D173}");
     EXPECT_EQ(harmless("飞 \xF0\x9F\x98\x80\t|"), "飞 😀    |");
     for (unsigned first = 0; first < 256; ++first)
         for (unsigned second = 0; second < 256; second += 3) {

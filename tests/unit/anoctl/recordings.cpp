@@ -66,6 +66,24 @@ TEST(Info, shows_the_contents_of_a_recording) {
     EXPECT_EQ(told["links"][0]["causes"], json({{"limited", 1}}));
 }
 
+TEST(Convert, texts_of_a_device_can_not_control_the_terminal) {
+    const std::string harmful = "\x1b[31m\xC2\x9B\xE2\x80\xAE end";
+    support::Bytes data{0};
+    data.insert(data.end(), harmful.begin(), harmful.end());
+    const std::string recorded = support::write_pcapng({item(0, support::frame(0xDC, 0xFE, 0xA0, data))},
+                                                       {"anoctl 0.1.0", 1'763'898'044 * second, 100 * second});
+    const auto has_any = [](const std::string& text) {
+        return text.find('\x1b') != text.npos || text.find("\xC2\x9B") != text.npos || text.find("\xE2\x80\xAE") != text.npos;
+    };
+    const auto lines = anoctl({"convert", "-", "-"}, recorded);
+    EXPECT_FALSE(has_any(lines.out)) << lines.out;
+    EXPECT_NE(lines.out.find("\\u001b[31m\\u009b\\u202e end"), std::string::npos) << lines.out << lines.err;
+    const auto table = anoctl({"convert", "-", "-", "--id", "0xA0"}, recorded, true);
+    EXPECT_FALSE(has_any(table.out)) << table.out;
+    EXPECT_NE(table.out.find("\\u001b[31m\\u009b\\u202e end,"), std::string::npos) << table.out << table.err;
+    EXPECT_TRUE(has_any(anoctl({"convert", "-", "-", "--id", "0xA0"}, recorded).out)) << "a program gets the bytes of the device";
+}
+
 TEST(Info, reads_truncated_and_damaged_recordings_and_reports_the_damage) {
     const std::string whole = flight();
     const auto cut = anoctl({"info", "-"}, whole.substr(0, whole.size() - 60));

@@ -9,6 +9,7 @@
 
 #include <ano/hex.hpp>
 #include <ano/messages.hpp>
+#include <ano_json/escapes.hpp>
 #include <ano_json/lower_case.hpp>
 #include <ano_json/text.hpp>
 #include <record/csv.hpp>
@@ -39,22 +40,34 @@ using anogate::RecordingHead;
 
 constexpr std::size_t batch = 64 * 1024;
 
-/// Buffers output and writes it in batches. Throws Failure if a write fails.
+/// Buffers output and writes it in batches. Throws Failure if a write fails. On a terminal, control characters of texts are escaped.
 class Collected {
 public:
-    Collected(const std::string& path, bool force, Streams& streams) : path_{path}, output_{path, force, streams} {}
+    Collected(const std::string& path, bool force, Streams& streams)
+        : path_{path}, is_shown_{path == "-" && streams.terminal}, output_{path, force, streams} {}
 
-    std::string bytes;
+    std::string bytes;    // whole lines or blocks
     const std::string& path() const noexcept { return path_; }
     void write_if(std::size_t enough) {
         if (bytes.size() < enough) return;
-        output_.write(bytes);
+        output_.write(is_shown_ ? escaped_lines(bytes) : bytes);
         bytes.clear();
         if (!output_.fault().empty()) throw Failure{path_ + ": cannot write: " + output_.fault()};
     }
 
 private:
+    static std::string escaped_lines(std::string_view lines) {
+        std::string all;
+        for (std::size_t from = 0; from < lines.size();) {
+            const std::size_t end = std::min(lines.find('\n', from), lines.size());
+            all += ano::with_escapes(lines.substr(from, end - from)) + (end < lines.size() ? "\n" : "");
+            from = end + 1;
+        }
+        return all;
+    }
+
     std::string path_;
+    bool is_shown_;
     RecordingOutput output_;
 };
 
@@ -170,7 +183,7 @@ public:
     }
     void read_as(ano::Encoding encoding) override { options_.encoding = encoding; }
     void accept(const Recorded& item, const RecordingHead&) override {
-        to_.bytes += anogate::recorded_json(item, options_) + '\n';
+        to_.bytes += ano::with_json_escapes(anogate::recorded_json(item, options_)) + '\n';
         to_.write_if(batch);
     }
     void end() override { to_.write_if(0); }

@@ -2,6 +2,8 @@
 
 #include "frame_printer.hpp"
 
+#include <ano_json/text.hpp>
+
 #include <algorithm>
 #include <cstdio>
 
@@ -10,23 +12,12 @@ namespace {
 
 constexpr std::size_t hex_columns = 16;
 
-// The code point at text[at] (UTF-8), and its size in bytes.
-std::pair<std::uint32_t, std::size_t> code_point(std::string_view text, std::size_t at) {
-    const auto byte = [&](std::size_t i) { return static_cast<std::uint8_t>(text[at + i]); };
-    const std::uint8_t first = byte(0);
-    const std::size_t size = first < 0x80 ? 1 : first < 0xE0 ? 2 : first < 0xF0 ? 3 : 4;
-    if (at + size > text.size()) return {first, 1};
-    std::uint32_t point = size == 1 ? first : first & (0x7Fu >> size);
-    for (std::size_t i = 1; i < size; ++i) point = point << 6 | (byte(i) & 0x3Fu);
-    return {point, size};
-}
-
-// Control characters (C0, C1) and Unicode format characters: direction, joiners, separators, tags.
-bool is_harmful(std::uint32_t point) {
-    const auto in = [point](std::uint32_t first, std::uint32_t last) { return first <= point && point <= last; };
-    return point < 0x20 || in(0x7F, 0x9F) || point == 0xAD || point == 0x34F || point == 0x61C || in(0x115F, 0x1160) ||
-           point == 0x2800 || point == 0x3164 || point == 0xFFA0 || point == 0x180E || in(0x200B, 0x200F) || in(0x2028, 0x202E) ||
-           in(0x2060, 0x206F) || point == 0xFEFF || in(0xFFF9, 0xFFFB) || in(0xE0000, 0xE0FFF);
+// The code point of one valid UTF-8 character.
+std::uint32_t code_point(std::string_view character) {
+    const auto byte = [&](std::size_t i) { return static_cast<std::uint8_t>(character[i]); };
+    std::uint32_t point = character.size() == 1 ? byte(0) : byte(0) & (0x7Fu >> character.size());
+    for (std::size_t i = 1; i < character.size(); ++i) point = point << 6 | (byte(i) & 0x3Fu);
+    return point;
 }
 
 std::string with_time(double time, char direction, const std::string& text) {
@@ -37,18 +28,18 @@ std::string with_time(double time, char direction, const std::string& text) {
 
 std::string harmless(std::string_view text) {
     std::string format_line;
-    for (std::size_t at = 0; at < text.size();) {
-        const auto [point, size] = code_point(text, at);
-        if (point == '\t') {
+    for (std::size_t at = 0; at < text.size(); ++at) {
+        if (text[at] == '\t') {
             format_line += "    ";
-        } else if (is_harmful(point)) {
+        } else if (const std::size_t size = ano::control_size(text, at); size > 0) {
+            const std::uint32_t point = code_point(text.substr(at, size));
             std::array<char, 16> escaped{};
             std::snprintf(escaped.data(), escaped.size(), point < 0x80 ? "\\x%02X" : "\\u{%04X}", static_cast<unsigned>(point));
             format_line += escaped.data();
+            at += size - 1;
         } else {
-            format_line.append(text, at, size);
+            format_line += text[at];
         }
-        at += size;
     }
     return format_line;
 }
