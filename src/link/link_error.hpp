@@ -63,6 +63,7 @@ inline constexpr LinkErrorId link_error_ids[] = {
     {"no_such_host", "host", "the name can't be resolved; retrying (for the tunnel: while it is up)"},
     {"moved", "host", "the name of a UDP peer has a new address; the link uses it"},
     {"tls", "", "certificates can't be used, or the peer's certificate is not accepted"},
+    {"certificate_unusable", "why", "while it is up: the certificate files can't be used; the previous ones stay in use"},
     {"certificate_expires", "days", "while it is up: our certificate expires within 14 days, or has expired"},
     {"closed_by_peer", "peer", "the peer closed the connection"},
     {"peer_silent", "peer", "the peer acknowledged nothing for `dead_after`"},

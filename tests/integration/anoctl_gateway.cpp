@@ -1,4 +1,5 @@
 // anoctl as a client of a running gateway.
+#include <http/client/certificate.hpp>
 #include <http/server.hpp>
 #include <support/child.hpp>
 #include <support/loop.hpp>
@@ -22,6 +23,8 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <filesystem>
+#include <fstream>
 #include <functional>
 #include <memory>
 #include <sstream>
@@ -200,6 +203,30 @@ TEST(AnoctlStatus, is_degraded_by_an_expired_certificate) {
     EXPECT_EQ(status.exit, 3);
     EXPECT_EQ(status.printed.find("degraded: 1 expired certificate\n"), 0u) << status.printed;
     EXPECT_NE(status.printed.find("the certificate of this link has expired"), std::string::npos) << status.printed;
+}
+
+TEST(AnoctlStatus, is_degraded_by_unusable_certificates_of_a_link_and_of_the_page) {
+    const TempDir dir;
+    for (const char* name : {"link", "page"})
+        ASSERT_TRUE(anogate::http::make_certificate({{"vehicle"}, {}}, dir / (std::string{name} + ".pem"),
+                                                    dir / (std::string{name} + "-key.pem")));
+    std::filesystem::permissions(dir / "page-key.pem", std::filesystem::perms{0644});
+    const std::string socket = dir / "control.sock", config = dir / "anogate.json";
+    std::ofstream{config} << json{
+        {"links",
+         {"tls-listen:127.0.0.1:0,name=l,verify=none,certificate=" + (dir / "link.pem") + ",key=" + (dir / "link-key.pem")}},
+        {"control", {{"http", "127.0.0.1:0"}, {"tls", {{"certificate", dir / "page.pem"}, {"key", dir / "page-key.pem"}}}}}};
+    Daemon daemon{ANOGATED, socket, {"--config", config}};
+    ASSERT_TRUE(daemon.until([](const json& status) { return status.at("links").at(0).at("state") == "up"; })) << daemon.status();
+    const Result page = anoctl({"status", "--exit-code", "--control", socket});
+    EXPECT_EQ(page.exit, 3);
+    EXPECT_EQ(page.printed.find("degraded: http\n"), 0u) << page.printed;
+    EXPECT_NE(page.printed.find("page-key.pem: every user of this computer can read it"), std::string::npos) << page.printed;
+    std::filesystem::permissions(dir / "link-key.pem", std::filesystem::perms{0644});
+    ASSERT_TRUE(daemon.until([](const json& status) {
+        return status.at("links").at(0).at("error_id") == "certificate_unusable";
+    })) << daemon.status();
+    EXPECT_EQ(anoctl({"status", "--control", socket}).printed.find("degraded: 1 unusable certificate, http\n"), 0u);
 }
 
 TEST(AnoctlStatus, names_a_vehicle_that_was_lost_in_flight) {

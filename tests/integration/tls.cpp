@@ -391,7 +391,7 @@ TEST_F(Tls, files_that_become_unusable_are_reported_and_the_previous_ones_stay_i
     std::filesystem::permissions(dir / "gateway-key.pem", std::filesystem::perms{0644});
     air.emplace(loop, std::vector<std::string>{to("localhost", pair("vehicle") + ca())});
     ASSERT_TRUE(air->until_up("t")) << air->link("t");
-    ASSERT_TRUE(ground->until([&] { return ground->link("l").at("error_id") == "tls"; }));
+    ASSERT_TRUE(ground->until([&] { return ground->link("l").at("error_id") == "certificate_unusable"; }));
     const std::string error = ground->link("l").at("error");
     EXPECT_NE(error.find("chmod o="), std::string::npos) << error;
     EXPECT_NE(error.find("stay in use until this is corrected"), std::string::npos) << error;

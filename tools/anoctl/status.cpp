@@ -79,7 +79,8 @@ void write_lost(const Json& all, std::ostream& out) {
 }
 
 void write_http(const Json& http, std::ostream& out) {
-    if (const std::string hint = text_at(http, "hint"); !hint.empty()) out << list_text("http: ", {hint}) << '\n';
+    for (const char* what : {"error", "hint"})
+        if (const std::string text = text_at(http, what); !text.empty()) out << list_text("http: ", {text}) << '\n';
 }
 
 void write_tunnel(const Json& tunnel, std::ostream& out) {
@@ -110,10 +111,10 @@ bool is_calm(const std::string& hint) {
     return hint == "no_host_takes" || hint == "no_peer_yet" || hint == "clients_without_frame" || hint == "recording_ended";
 }
 
-// Degraded: vehicles lost while unlocked, links that are down, have an expired certificate or a hint, conflicts of addresses,
-// recordings that fail.
+// Degraded: vehicles lost while unlocked, links that are down, have an expired or unusable certificate or a hint, conflicts of addresses,
+// recordings that fail, an HTTP interface that is off.
 Verdict verdict_of(const Json& status) {
-    std::size_t links = 0, down = 0, expired = 0, hints = text_at(at(status, "http"), "hint").empty() ? 0 : 1;
+    std::size_t links = 0, down = 0, expired = 0, unusable = 0, hints = text_at(at(status, "http"), "hint").empty() ? 0 : 1;
     for (const Json& link : at(status, "links")) {
         if (text_at(link, "error_id") == "disabled") continue;
         ++links;
@@ -122,6 +123,7 @@ Verdict verdict_of(const Json& status) {
         expired += number_at(link, "certificate_days") < 0 ? 1u : 0u;
         const std::string hint = text_at(link, "hint_id");
         hints += is_up && !hint.empty() && !is_calm(hint) ? 1u : 0u;
+        unusable += text_at(link, "error_id") == "certificate_unusable" ? 1u : 0u;
     }
     std::string what;
     for (const Json& lost : at(status, "lost"))
@@ -131,6 +133,8 @@ Verdict verdict_of(const Json& status) {
     if (const std::size_t conflicts = at(status, "conflicts").size(); conflicts > 0)
         what += (what.empty() ? "" : ", ") + plural(conflicts, "conflict");
     else if (hints > 0) what += (what.empty() ? "" : ", ") + plural(hints, "hint");
+    if (unusable > 0) what += (what.empty() ? "" : ", ") + plural(unusable, "unusable certificate");
+    if (!text_at(at(status, "http"), "error").empty()) what += (what.empty() ? "" : ", ") + std::string{"http"};
     const Json& running = at(at(status, "recording"), "running");
     if (std::any_of(running.begin(), running.end(), [](const Json& one) { return !text_at(one, "error").empty(); }))
         what += (what.empty() ? "" : ", ") + std::string{"recording"};
@@ -179,8 +183,9 @@ Run add_status(Options& options) {
     options.push_back(
         {"--exit-code", &self->exit_code, "",
          "Exit with status 3 if the gateway is degraded: a vehicle that was not locked is lost, a link is down, has "
-         "an expired certificate, or has a hint that asks for an action, two devices use the same address, or a recording "
-         "fails"});
+         "an expired or unusable certificate, or has a hint that asks for an action, two devices use the same address, or a "
+         "recording or "
+         "the HTTP interface fails"});
     options.push_back({"--json", &self->json, "", "Print the response of the gateway as one JSON object"});
     return [self](Streams& streams) { return self->run(streams); };
 }

@@ -32,8 +32,8 @@ LinkError expiry_trouble(std::optional<std::int64_t> days_left) {
 LinkError tls_trouble(const CertificateReader& certificates) {
     const std::string& fault = certificates.fault();
     if (fault.empty()) return expiry_trouble(certificates.days_left());
-    return {
-        "tls", fault + (certificates.has_usable() ? "; the previous certificates stay in use until this is corrected" : ""), {}};
+    if (!certificates.has_usable()) return {"tls", fault, {}};
+    return {"certificate_unusable", fault + "; the previous certificates stay in use until this is corrected", {{"why", fault}}};
 }
 
 }    // namespace anogate
