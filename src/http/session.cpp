@@ -330,7 +330,8 @@ void Session::answer(Request& request) {
         if (also_) response.headers.push_back(*std::exchange(also_, std::nullopt));
         return refuse(response);
     }
-    const bool streams = response.web_socket || (response.producer && !response.length);
+    const bool has_end = response.length || request.method == "POST";    // that of a job ends
+    const bool streams = response.web_socket || (response.producer && !has_end);
     if (streams || response.patient)
         if (auto no = owner_.refusal_if_no_place(client_id_, request.access, streams)) return send(std::move(*no), head_only);
     streams_ = streams;

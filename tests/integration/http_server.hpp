@@ -198,11 +198,12 @@ protected:
         server->keep_large_bodies([this] { return std::make_unique<Keeper>(io, keeping); });
         routes.add("GET", "/big", [](const Request&) { return text(std::string(16 << 20, ' ')); });
         routes.add("GET", "/none", [](const Request&) -> Response { throw std::bad_alloc{}; });
-        routes.add("GET", "/stream", [this](const Request&) {
-            Response response;
-            response.producer = std::make_unique<Source>(source);
-            return response;
-        });
+        for (const char* method : {"GET", "POST"})
+            routes.add(method, "/stream", [this](const Request&) {
+                Response response;
+                response.producer = std::make_unique<Source>(source);
+                return response;
+            });
         routes.add("GET", "/socket", [this](const Request&) {
             Response response;
             response.web_socket = std::make_unique<Echo>(echo);

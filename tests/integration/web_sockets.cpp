@@ -328,6 +328,11 @@ TEST_F(WebSockets, keep_their_connection_quota_while_they_are_used) {
     Client other = connect();
     other.send(get("/short?n=here"));
     EXPECT_TRUE(until([&] { return other.has_heard("here"); })) << "other requests have places of their own";
+    source.ready = 1;
+    source.ends = true;
+    Client commander = connect();
+    commander.send("POST /stream HTTP/1.1\r\nHost: x\r\nContent-Length: 0\r\n\r\n");
+    EXPECT_TRUE(until([&] { return commander.has_heard("HTTP/1.1 200"); })) << "the response of a job ends" << commander.heard();
     for (Client& watcher : watchers) EXPECT_FALSE(watcher.is_closed());
     watchers.pop_back();
     EXPECT_TRUE(until([&] {
