@@ -44,10 +44,10 @@ function WaypointTable({ all, disabled, onChange }: { all: Waypoint[]; disabled:
           {all.map((one, i) => (
             <tr key={i}>
               <th scope="row">{one.num === 0 ? t("home") : one.num}</th>
-              {columns.map(({ name, factor }) => (
-                <td key={name}><Cell label={`${one.num} ${t(`waypoint_${name}`)}`} value={one[name] / factor} disabled={disabled} onValue={(value) => set(i, { [name]: factor === 1 ? value : Math.round(value * factor) })} /></td>
+              {columns.map(({ name, factor, unit }) => (
+                <td key={name} data-label={`${t(`waypoint_${name}`)} ${unit}`}><Cell label={`${one.num} ${t(`waypoint_${name}`)}`} value={one[name] / factor} disabled={disabled} onValue={(value) => set(i, { [name]: factor === 1 ? value : Math.round(value * factor) })} /></td>
               ))}
-              <td><input aria-label={`${one.num} cmd`} disabled={disabled} value={one.cmd.join(" ")} onChange={(event) => { const cmd = event.currentTarget.value.split(/[\s,]+/).map(Number); set(i, { cmd: [0, 1, 2, 3].map((k) => cmd[k] || 0) }); }} /></td>
+              <td data-label="cmd 1–4"><input aria-label={`${one.num} cmd`} disabled={disabled} value={one.cmd.join(" ")} onChange={(event) => { const cmd = event.currentTarget.value.split(/[\s,]+/).map(Number); set(i, { cmd: [0, 1, 2, 3].map((k) => cmd[k] || 0) }); }} /></td>
               <td>{one.num !== 0 && i === all.length - 1 && <button class="plain" disabled={disabled} aria-label={`${t("remove")} ${one.num}`} onClick={() => onChange(all.slice(0, -1))}>✕</button>}</td>
             </tr>
           ))}

@@ -131,7 +131,10 @@ export async function logIn(page, token) {
 export const textOf = (page, selector) => page.$eval(selector, (element) => element.textContent);
 export const go = (page, hash) => page.evaluate((to) => { location.hash = to; }, hash);
 export const asked = (page, route, options) => page.evaluate((path, options) => fetch(path, options).then((answer) => answer.json()), route, options);
-export const wider = (page) => page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+export const wider = (page) =>
+  page.evaluate(() =>
+    Math.max(document.documentElement.scrollWidth - innerWidth, ...[...document.querySelectorAll(".scroll")].map((one) => one.scrollWidth - one.clientWidth)),
+  );
 
 /** Waits until the drawn content has changed `times` times: the page is updated, and pending values have arrived. */
 export const drawnAgain = (page, selector, times) =>
