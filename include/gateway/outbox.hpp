@@ -42,14 +42,12 @@ public:
         std::size_t bytes = 32 * 1024;    // maximum of waiting bytes; at least overhead + max_data, at most 1 GiB
         std::size_t max_data = 4096;      // frames with more DATA are counted too_big; images may have more (image_length.hpp)
         AgeLimits age{};
-        std::size_t flush_bytes = 0;          // zero bytes of a flush_parser(), at most max_flush; 0: none, the wire is no UART
-        std::size_t flush_again_bytes = 0;    // the same if there was one within flushed_soon; fewer than flush_bytes: as many
+        std::size_t flush_bytes = 0;    // zero bytes of a flush_parser(), at most max_flush; 0: none, the wire is no UART
     };
     static constexpr std::size_t usual_flush = 206;    // the maximum DATA of vendor devices, plus overhead
     static constexpr std::size_t max_flush = 306;      // the same for older devices
     static constexpr std::size_t zeros_at_once = 32;
     static constexpr ano::Duration between_flushes = std::chrono::seconds{1};
-    static constexpr ano::Duration flushed_soon = std::chrono::seconds{10};
 
     explicit Outbox(const Options& options);
 

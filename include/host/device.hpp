@@ -241,13 +241,15 @@ private:
         Expectation expects;
         Checks checks;    // of its frame
         bool answered;
-        TimePoint late_until;    // for a request that may be sent only once
+        TimePoint late_until;       // for a request that may be sent only once
+        TimePoint doubled_until;    // a second answer may arrive until then
     };
 
     struct BeforeDifference {
         Identity identity;
         DeviceInfo info;
     };
+    static constexpr Duration between_flushes = std::chrono::seconds{1};    // at least
     static constexpr std::size_t info_fields = 6;
     static constexpr bool varies(int unlike) noexcept { return unlike >= varies_from; }
     static DeviceInfo hardware_of(const DeviceInfo& info) {
@@ -288,6 +290,8 @@ private:
     bool missed(FrameView frame, TimePoint now);
     bool is_of_the_past(FrameView frame) const noexcept;
     void remember(const Exchange& exchange, bool answered) noexcept;
+    bool may_be_swallowed(const Exchange& exchange, TimePoint now) const noexcept;
+    bool may_be_second_answer(const Exchange& exchange, TimePoint now) noexcept;
     bool has_unanswered_equal(const Exchange& command, TimePoint now) const noexcept;
     void expire(TimePoint now);
     void end(Exchanges& from, Exchanges::iterator which, Outcome outcome, std::optional<FrameView> answer, TimePoint now,
@@ -357,6 +361,8 @@ private:
     const Asker* heard_asker_ = nullptr;    // the asker of the request that it answered last
     TimePoint last_sent_{};
     TimePoint line_is_busy_until_ = TimePoint::min();    // with the bytes of flush_
+    Duration long_answer_takes_{};                       // on this line, if its rate is known from a flush
+    TimePoint no_flush_before_ = TimePoint::min();
     std::function<Flush(FrameView)> flush_;
     Exchanges sent_;
     Exchanges waiting_;

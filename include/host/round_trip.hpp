@@ -40,8 +40,8 @@ public:
     bool grows() const noexcept { return smoothed_ && *smoothed_ > 2 * least_ + granularity; }
     /// A request that was sent once was answered; `others` were in flight when it was sent.
     void answered_behind(std::size_t others, Duration time) noexcept;
-    /// Whether any answer behind others was measured: it may take much longer than one by itself.
-    bool knows_others() const noexcept { return behind_others_.has_value(); }
+    /// Whether answers behind at least half as many others were measured: they may take much longer than one by itself.
+    bool knows_others(std::size_t others) const noexcept { return behind_others_ && 2 * others_ >= static_cast<double>(others); }
     /// The number of requests that yield that may be in flight so that one waits for the others at most max_wait, computed from
     /// the time by which each of them has lengthened round trips; at least two. This bounds the delay of a command at a device
     /// that needs long for each frame.

@@ -40,10 +40,10 @@ Duration hello_interval(const LinkSettings& link) noexcept {
 
 LineRate line_rate_of(const LinkSettings& link) { return link.kind->line_rate ? link.kind->line_rate(link) : LineRate{}; }
 
-FlushSizes flush_sizes_of(const LinkSettings& link) noexcept {
-    if (!link.kind->has_uart || !link.kind->has_uart(link)) return {};
+std::size_t flush_bytes_of(const LinkSettings& link) noexcept {
+    if (!link.kind->has_uart || !link.kind->has_uart(link)) return 0;
     const std::size_t stated = link.max_data_out ? *link.max_data_out + ano::overhead : Outbox::usual_flush;
-    return {std::clamp(stated, Outbox::usual_flush, Outbox::max_flush), Outbox::max_flush};
+    return std::clamp(stated, Outbox::usual_flush, Outbox::max_flush);
 }
 
 std::optional<BoundPort> bound_port_of(const LinkSettings& link) {

@@ -156,12 +156,9 @@ LinkSettings new_link(const LinkKind& kind);
 Duration hello_interval(const LinkSettings& link) noexcept;
 /// The rate of the line in bytes/s, if the settings determine it; 0: not known.
 LineRate line_rate_of(const LinkSettings& link);
-/// Outbox::Options::flush_bytes and flush_again_bytes of its channels. Fewer bytes than most parsers wait for would be no flush:
-/// many wait for more than their device accepts. The second flush is long enough for every parser.
-struct FlushSizes {
-    std::size_t first = 0, again = 0;
-};
-FlushSizes flush_sizes_of(const LinkSettings& link) noexcept;
+/// Outbox::Options::flush_bytes of its channels. Fewer bytes than most parsers wait for would be no flush: many wait for more than
+/// their device accepts. A parser that waits for more is free after the second flush.
+std::size_t flush_bytes_of(const LinkSettings& link) noexcept;
 std::optional<BoundPort> bound_port_of(const LinkSettings& link);
 std::optional<PeerPort> peer_port_of(const LinkSettings& link);
 /// The silence after which an incomplete frame is given up.

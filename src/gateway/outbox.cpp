@@ -35,7 +35,7 @@ Outbox::Outbox(const Options& options)
               FairQueue{entries_.get(), options.bytes / ano::overhead + 2, quanta[2]}} {
     buckets_.fill(no_frames);
     assert(options.bytes >= ano::overhead + options.max_data && options.bytes <= std::size_t{1} << 30);
-    assert(std::max(options.flush_bytes, options.flush_again_bytes) <= max_flush);
+    assert(options.flush_bytes <= max_flush);
 }
 
 SendCause Outbox::push(ano::FrameView frame, QueuePolicy policy, ano::TimePoint arrived_at, ChannelId from) noexcept {
@@ -51,8 +51,7 @@ void Outbox::grow_older(ano::Duration time) noexcept {
 
 bool Outbox::flush_parser(ano::TimePoint now) noexcept {
     if (!open_ || !empty() || options_.flush_bytes == 0 || now < flush_again_at_) return false;
-    const bool is_again = flush_again_at_ > ano::TimePoint::min() && now - flush_again_at_ < flushed_soon - between_flushes;
-    zeros_ = is_again ? std::max(options_.flush_bytes, options_.flush_again_bytes) : options_.flush_bytes;
+    zeros_ = options_.flush_bytes;
     zeros_before_ = pushed_ + 1;
     flush_again_at_ = now + between_flushes;
     return true;

@@ -88,8 +88,10 @@ Taken Device::take(FrameView frame, TimePoint now) {
     if (met->is_measured() && met->sent() == 1) round_trip_.answered_behind(met->last().others, now - met->first_sent());
     window_.answered(met->last().alone);
     window_when_heard_ = window_;
-    adjust_waits(*met, now);
-    heard_send_ = std::max(heard_send_, met->first_number());
+    if (!may_be_second_answer(*met, now)) {
+        adjust_waits(*met, now);
+        heard_send_ = std::max(heard_send_, met->first_number());
+    }
     heard_asker_ = met->asker();
     answered_at_ = now;
     end(sent_, met, Outcome::answered, frame, now);
@@ -336,9 +338,19 @@ bool Device::is_of_the_past(FrameView frame) const noexcept {
 }
 
 void Device::remember(const Exchange& exchange, bool answered) noexcept {
+    const TimePoint never = TimePoint::min();
     past_[next_past_] = Past{exchange.expects(), exchange.frame().checks(), answered,
-                             exchange.is_once() ? exchange.due() + late_for : TimePoint::min()};
+                             exchange.is_once() ? exchange.due() + late_for : never,
+                             exchange.sent() > 1 ? exchange.last_sent() + RoundTrip::ceiling : never};
     next_past_ = (next_past_ + 1) % past_.size();
+}
+
+// The answer to `exchange` may be the second one to an equal request that was sent twice: it does not show that this one arrived.
+bool Device::may_be_second_answer(const Exchange& exchange, TimePoint now) noexcept {
+    for (auto& past : past_)
+        if (past && past->expects == exchange.expects() && std::exchange(past->doubled_until, TimePoint::min()) > now)
+            return true;
+    return false;
 }
 
 // `command` is no longer in the list. If a device acknowledges one of two equal commands, the acknowledgement does not show
@@ -389,9 +401,14 @@ void Device::expire(TimePoint now) {
          over = std::find_if(sent_.begin(), sent_.end(), is_over)) {
         if (over->is_lost_by_measure()) window_.lost(over->last().alone, round_trip_.grows());
         lost_send_ = std::max(lost_send_, over->last().number);
-        if (over->acts()) not_acknowledged(*over);
+        if (over->acts() && !may_be_swallowed(*over, now)) not_acknowledged(*over);
         if (!over->time_out(now, is_heard_since(*over))) end(sent_, over, Outcome::timeout, {}, now);
     }
+}
+
+// It was sent while no flush was allowed, so the parser may have swallowed it. Nobody exchanges a device within a second.
+bool Device::may_be_swallowed(const Exchange& exchange, TimePoint now) const noexcept {
+    return exchange.last_sent() < no_flush_before_ && heard_at_ && now - *heard_at_ < between_flushes;
 }
 
 // It may have been sent to a device that is away. A missing acknowledgement is normal for a command and for a busy loader.
@@ -507,6 +524,8 @@ bool Device::waits_for_flush(Exchange& next, TimePoint now) {
     if (!flush_ || !may_be_deaf_to(next)) return false;
     const Flush flush = flush_(next.frame());
     line_is_busy_until_ = std::max(line_is_busy_until_, now + flush.busy);
+    long_answer_takes_ = std::max(long_answer_takes_, flush.busy / 2);
+    no_flush_before_ = std::max(no_flush_before_, now + (flush.sent ? between_flushes : flush.later));
     if (flush.sent) on_flush();
     if (flush.sent || flush.later <= Duration::zero()) return false;
     const bool may_wait = next.was_sent() && !is_command(next) &&
@@ -554,7 +573,8 @@ FrameView Device::send(Exchanges& from, Exchanges::iterator which, TimePoint now
     sends_ = send.number;
     if (is_measured_write(*which)) which->wait_at_least(std::min(write_takes_ + write_takes_ / 4, RoundTrip::ceiling));
     which->send(std::max(now, line_is_busy_until_), round_trip_, send);
-    if (send.others > 0 && !round_trip_.knows_others()) which->wait_from(now, RoundTrip::first);
+    if (send.others > 0 && !round_trip_.knows_others(send.others)) which->wait_from(now, RoundTrip::first);
+    which->wait_from(now, long_answer_takes_);
     if (is_question_for_info(which->frame())) expect_info(now);
     return which->frame();
 }

@@ -17,8 +17,7 @@ ForwarderLink forwarder_link(const LinkSettings& s, std::uint8_t group, const st
                   .drops_copies = !uses_v7(s)};
     // The rate determines when the rest of a frame is overdue.
     link.parser = {s.max_data, line_rate_of(s).bytes_per_second, quiet_of(*s.kind), s.frame_gap.value_or(Duration{})};
-    const FlushSizes flush = flush_sizes_of(s);
-    link.outbox = {s.queue, s.effective_max_data_out(), s.age, flush.first, flush.again};
+    link.outbox = {s.queue, s.effective_max_data_out(), s.age, flush_bytes_of(s)};
     link.rules = s.rules;
     link.limits_questions = s.profile == Profile::vendor;
     link.sends_empty = !link.limits_questions;

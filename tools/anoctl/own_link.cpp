@@ -116,7 +116,8 @@ public:
         for (Channel* const channel : leading_to(next.destination())) {
             const bool flushes = channel->outbox.flush_parser(now());
             const ano::Duration busy = time_of_flush(channel->outbox.zeros(), line_rate_of(s).bytes_per_second);
-            all = all | (flushes ? ano::Flush{.busy = busy} : ano::Flush{.later = channel->outbox.until_flush(now())});
+            all = all |
+                  (flushes ? ano::Flush{.sent = true, .busy = busy} : ano::Flush{.later = channel->outbox.until_flush(now())});
             link_->flush(*channel);
         }
         return all;
@@ -170,11 +171,10 @@ private:
         if (i == max_channels) return nullptr;
         if (i == channels_.size()) channels_.emplace_back();
         const LinkSettings& s = link.settings();
-        const FlushSizes flush = flush_sizes_of(s);
         channels_[i] = std::make_unique<Open>(
             static_cast<ChannelId>(i), link.id(), std::move(peer),
             ano::FrameParser::Options{s.max_data, 0, quiet_of(*s.kind), s.frame_gap.value_or(Duration{})},
-            Outbox::Options{s.queue, s.effective_max_data_out(), s.age, flush.first, flush.again}, now_);
+            Outbox::Options{s.queue, s.effective_max_data_out(), s.age, flush_bytes_of(s)}, now_);
         if (up_) channels_[i]->channel.outbox.open();
         return &channels_[i]->channel;
     }

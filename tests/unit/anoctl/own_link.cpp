@@ -2,6 +2,7 @@
 #include <sys/asio.hpp>
 
 #include <support/loop.hpp>
+#include <support/pty_device.hpp>
 #include <support/temp_dir.hpp>
 #include <support/udp_peer.hpp>
 
@@ -77,6 +78,20 @@ TEST_F(OwnLinks, print_a_hint_once_while_it_applies) {
     own.stop();
     const std::string said = err.str();
     EXPECT_EQ(said.find("peer: data"), said.rfind("peer: data")) << said;
+}
+
+TEST_F(OwnLinks, report_that_they_sent_the_zero_bytes_of_a_flush) {
+    const support::TempDir folder;
+    support::PtyDevice device{folder / "fc"};
+    OwnLink own{loop.io, link_settings_of("serial:" + (folder / "fc") + ",baud=9600"), taker, streams, "monitor"};
+    own.start();
+    ASSERT_TRUE(loop.until([&] { return own.is_up(); }));
+    const ano::Flush flush = own.flush_parser(ano::FrameView{frame});
+    EXPECT_TRUE(flush.sent);
+    EXPECT_GT(flush.busy, 200ms);
+    const ano::Flush again = own.flush_parser(ano::FrameView{frame});
+    EXPECT_FALSE(again.sent);
+    own.stop();
 }
 
 TEST_F(OwnLinks, detect_a_device_that_uses_the_previous_version) {

@@ -266,23 +266,6 @@ TEST(Outbox, zero_bytes_are_sent_once_a_second_and_only_when_nothing_waits) {
     EXPECT_FALSE(no_uart.flush_parser(start));
 }
 
-// A parser that accepts longer frames still waits after the first ones.
-TEST(Outbox, more_zero_bytes_are_sent_the_second_time) {
-    Outbox outbox{{.bytes = 1000, .max_data = 100, .flush_bytes = 206, .flush_again_bytes = 306}};
-    outbox.open();
-    const auto flushed_at = [&](ano::TimePoint now) {
-        EXPECT_TRUE(outbox.flush_parser(now));
-        const std::size_t zeros = outbox.zeros();
-        outbox.sent(zeros);
-        return zeros;
-    };
-    EXPECT_EQ(flushed_at(start), 206u);
-    EXPECT_EQ(flushed_at(start + 1s), 306u);
-    EXPECT_EQ(flushed_at(start + 10s), 306u);
-    EXPECT_EQ(flushed_at(start + 20s), 206u) << "long after: another exchange";
-    EXPECT_EQ(outbox.counters().flush_bytes, 206u + 306u + 306u + 206u);
-}
-
 TEST(Outbox, reports_whether_a_frame_of_a_channel_waits) {
     Outbox outbox = open_outbox(1000, 100);
     push(outbox, numbered(1), command, 3);
