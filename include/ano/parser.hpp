@@ -32,6 +32,7 @@ struct ParserCounters {
     std::uint64_t skipped_bytes{};    // bytes outside of valid frames
     std::uint64_t expired{};          // candidates whose end was not received, or only after a valid frame that follows them
     std::uint64_t v7_frames{};        // frames of the previous protocol version among the skipped bytes: an estimate
+    std::uint64_t long_images{};      // refused images above max_data, recognised by their width and height: an estimate
 };
 
 /// After a refused candidate the search continues one byte later, so that a damaged frame never takes others with it. The time is
@@ -114,6 +115,8 @@ private:
     void keep_skipped(std::span<const std::uint8_t> bytes) noexcept;
     void drop_padding() noexcept;
     bool begins_with_frame(std::span<const std::uint8_t> datagram) const noexcept;
+    void note_long_image(std::size_t at) noexcept;
+    void check_long_image() noexcept;
     bool may_be_image(std::size_t at, std::size_t length) const noexcept {
         return buffer_[at + 3] == image_id && length <= max_image_;
     }
@@ -147,7 +150,9 @@ private:
     V7Matcher v7_;
     std::size_t v7_budget_ = 0;                        // bytes it may still examine: each commit adds some
     LazyArray<std::uint8_t> skipped_{kept_skipped};    // a ring: byte N of skipped_bytes is at N % kept_skipped
-    std::uint64_t frames_at_skip_ = 0;                 // counters_.frames_in when a byte was skipped last
+    // The number of the first byte of a refused header that may be that of an image, among the skipped bytes: the next ones show it.
+    std::optional<std::uint64_t> long_image_at_{};
+    std::uint64_t frames_at_skip_ = 0;    // counters_.frames_in when a byte was skipped last
     ParserCounters counters_;
 };
 

@@ -1,6 +1,7 @@
 #include <ano/parser.hpp>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cassert>
 #include <cstring>
@@ -113,6 +114,7 @@ std::optional<FrameView> FrameParser::next() noexcept {
         const bool no_rest = at < barrier_;
         verdict = judge(at, no_rest ? barrier_ : end_);
         if (verdict == Verdict::good || (verdict == Verdict::incomplete && !no_rest && !yields(at))) break;
+        if (verdict == Verdict::too_long) note_long_image(at);
         ++(verdict == Verdict::bad        ? counters_.bad_check
            : verdict == Verdict::too_long ? counters_.bad_length
                                           : counters_.expired);
@@ -221,6 +223,8 @@ std::size_t FrameParser::next_candidate(std::size_t from) noexcept {
             const std::size_t length = data_length(bytes + at);
             if (length > max_data && !may_be_image(at, length)) {
                 ++too_long;
+                if (bytes[at + 3] == image_id) [[unlikely]]
+                    note_long_image(at);
             } else if (at + length >= last ||
                        (sums[at] == gaps_behind[at + length] && !add_is_wrong(at, at + header_size + length))) [[unlikely]] {
                 const std::uint64_t before = (std::uint64_t{1} << (at - from)) - 1;
@@ -251,6 +255,22 @@ std::size_t FrameParser::next_candidate(std::size_t from) noexcept {
 [[gnu::noinline]] void FrameParser::count_refused(std::uint64_t heads) noexcept {
     (length_of_heads > options_.max_data ? counters_.bad_length
                                          : counters_.bad_check) += static_cast<unsigned>(std::popcount(heads));
+}
+
+[[gnu::noinline]] void FrameParser::note_long_image(std::size_t at) noexcept {
+    const std::uint8_t* const begin = buffer_.get() + at;
+    if (begin[3] != image_id || data_length(begin) <= max_image_) return;
+    if (end_ - at >= image_head_size) counters_.long_images += is_plausible_image(begin);
+    else long_image_at_ = counters_.skipped_bytes + (at - pos_);
+}
+
+void FrameParser::check_long_image() noexcept {
+    std::array<std::uint8_t, image_head_size> begin;
+    for (std::size_t i = 0; i < begin.size(); ++i)
+        begin[i] = skipped_[static_cast<std::size_t>((*long_image_at_ + i) % kept_skipped)];
+    const bool is_kept = counters_.skipped_bytes - *long_image_at_ <= kept_skipped;
+    counters_.long_images += is_kept && is_plausible_image(begin.data());
+    long_image_at_.reset();
 }
 
 // Called if the first check is right, which is rare.
@@ -334,6 +354,8 @@ std::size_t FrameParser::first_not_overdue(TimePoint now) const noexcept {
 void FrameParser::skip_to(std::size_t at) noexcept {
     keep_skipped({buffer_.get() + pos_, at - pos_});
     counters_.skipped_bytes += at - pos_;
+    if (long_image_at_ && counters_.skipped_bytes >= *long_image_at_ + image_head_size) [[unlikely]]
+        check_long_image();
     frames_at_skip_ = counters_.frames_in;
     for (; pos_ < at && v7_budget_ > 0; ++pos_, --v7_budget_)
         if (v7_.take(buffer_[pos_])) ++counters_.v7_frames;

@@ -15,8 +15,9 @@ constexpr std::uint64_t enough_bytes = 64;     // minimum without a frame before
 constexpr std::uint64_t enough_frames = 20;    // minimum before a share of them is evaluated
 constexpr std::uint64_t enough_good = 100;     // valid frames in a row after which the cause of corrupted ones is repaired
 constexpr std::uint64_t enough_long = 5;       // among valid frames: noise would damage others as well
-constexpr ano::Duration patience = 3s;         // shorter silences are normal
-constexpr ano::Duration still = 2s;            // a link with bytes within this time is still receiving
+constexpr std::uint64_t enough_images = 2;
+constexpr ano::Duration patience = 3s;    // shorter silences are normal
+constexpr ano::Duration still = 2s;       // a link with bytes within this time is still receiving
 
 std::int64_t in_whole_seconds(ano::Duration d) { return std::chrono::duration_cast<std::chrono::seconds>(d).count(); }
 std::string seconds(ano::Duration d) { return std::to_string(in_whole_seconds(d)) + " s"; }
@@ -180,6 +181,8 @@ Hint trouble_in(const LinkFigures& link, bool with_details) {
     const auto garbled_time = garbled_for(link);
     const std::uint64_t refused = in.bad_check + in.bad_length + in.expired;
     const bool finds_none = in.frames_in == 0 || garbled_time;
+    const Hint above_max_data{"above_max_data", "frames longer than max_data are refused: raise max_data on this link"};
+    if (finds_none && link.long_images >= enough_images) return above_max_data;
     if (in.skipped_bytes >= enough_bytes &&
         (finds_none || (refused >= enough_frames && refused * 10 > in.frames_in && !repaired)))
         if (Hint hint = wrong_frames(link, with_details); !hint.id.empty() && (finds_none || hint.id != "text")) return hint;
@@ -188,7 +191,7 @@ Hint trouble_in(const LinkFigures& link, bool with_details) {
     if (garbled_time) return garbled(link, *garbled_time, with_details);
     const bool too_long = in.frames_in == 0 ? in.bad_length > 0 && in.bad_length >= in.bad_check
                                             : in.bad_length >= enough_long && in.bad_check == 0;
-    if (too_long) return {"above_max_data", "frames longer than max_data are refused: raise max_data on this link"};
+    if (too_long) return above_max_data;
     if (link.gateways > 0)
         return {"other_gateway",
                 "a listening port of another gateway was refused: to connect two gateways, configure a udp: link to the other on "

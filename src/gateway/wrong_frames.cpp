@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bitset>
 #include <cstddef>
 
 namespace anogate {
@@ -90,15 +91,20 @@ bool is_chinese_text(Bytes bytes) noexcept {
 }
 
 // Lines of ASCII, possibly with some UTF-8 or GBK. A third of random bytes is printable, but an eighth is control characters.
+// Without a line end, only printable ASCII counts, of several kinds: a wrong baud rate gives few.
 bool is_text(Bytes bytes) noexcept {
     if (bytes.size() < enough_text) return false;
+    constexpr std::size_t enough_kinds = 6;
     std::size_t printable = 0, controls = 0, line_ends = 0;
+    std::bitset<256> kinds;
     for (const std::uint8_t byte : bytes) {
         printable += is_printable(byte);
         controls += (byte < 0x20 && !is_space(byte)) || byte == 0x7F || byte == 0xFF;
         line_ends += byte == '\n' || byte == '\r';
+        kinds.set(byte);
     }
-    return line_ends > 0 && controls * 100 <= bytes.size() && (printable * 2 >= bytes.size() || is_chinese_text(bytes));
+    if (line_ends == 0) return printable == bytes.size() && kinds.count() >= enough_kinds;
+    return controls * 100 <= bytes.size() && (printable * 2 >= bytes.size() || is_chinese_text(bytes));
 }
 
 // At most max_shown_text characters; `has_utf8`: non-ASCII characters can be displayed.

@@ -267,6 +267,7 @@ private:
             ago(channel.heard_at, f.silent_for);
             ago(channel.arrived_at, f.bytes_ago);
             f.v7_frames += channel.parser.counters().v7_frames;
+            f.long_images += channel.parser.counters().long_images;
             add_skipped(f, channel.parser);
         }
         return f;

@@ -43,6 +43,19 @@ TEST(ParserImages, a_small_max_data_applies_to_images_too) {
     EXPECT_EQ(larger.frames, Frames{picture()});
 }
 
+TEST(ParserImages, longer_ones_are_recognised_however_their_bytes_arrive) {
+    for (const std::size_t at_once : {std::size_t{1}, std::size_t{7}, SIZE_MAX}) {
+        Line line;
+        line.put(picture(0, 188, 120, 188 * 120) + picture(0, 188, 120, 188 * 120) + numbered(1), at_once);
+        EXPECT_EQ(line.frames, Frames{numbered(1)});
+        EXPECT_EQ(line.counters().long_images, 2u) << at_once;
+    }
+    Line noise;
+    for (unsigned i = 0; i < 1000; ++i)
+        noise.put(Bytes{0xAB, 1, 2, ano::image_id, 0xFF, 0xFF} + Bytes(30, static_cast<std::uint8_t>(i)));
+    EXPECT_EQ(noise.counters().long_images, 0u);
+}
+
 TEST(ParserImages, an_image_of_bits_may_have_rows_of_width_over_8_rounded_either_way) {
     for (const std::size_t row : {125u, 126u}) {
         Line line;

@@ -41,6 +41,18 @@ TEST(Hint, too_long_frames_among_valid_ones_are_reported) {
     EXPECT_EQ(hint(link), "") << "noise looks like long frames as well";
 }
 
+// Most of their bytes are skipped, as at a wrong baud rate.
+TEST(Hint, only_images_above_max_data_are_no_wrong_baud_rate) {
+    LinkFigures link = line_that_sent(0);
+    link.received.frames_in = 0;
+    link.received.skipped_bytes = 45'000;
+    link.received.bad_length = 20;
+    link.received.bad_check = 300;
+    EXPECT_EQ(find_hint(link).id, "no_frames_at_baud");
+    link.long_images = 2;
+    EXPECT_EQ(find_hint(link).id, "above_max_data");
+}
+
 TEST(Hint, a_link_too_slow_for_its_traffic_is_reported_for_every_cause_of_drops) {
     for (const auto cause : {&SendCounters::superseded, &SendCounters::stale, &SendCounters::queue_full}) {
         LinkFigures link = line_that_sent(100);

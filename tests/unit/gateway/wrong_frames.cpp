@@ -103,6 +103,15 @@ TEST(WrongFrames, show_the_first_characters_of_received_text_with_control_charac
     EXPECT_EQ(gbk.id, "text");
 }
 
+TEST(WrongFrames, text_without_line_ends_is_recognized_as_text) {
+    Bytes all;
+    for (int i = 0; i < 40; ++i) all = all + bytes_of("x=1.00,y=2.00,");
+    EXPECT_EQ(find_hint(after(all)).id, "text");
+    all[100] = 0x80;
+    EXPECT_NE(find_hint(after(all)).id, "text") << "data that happens to be printable";
+    EXPECT_NE(find_hint(after(Bytes(1000, 'U'))).id, "text") << "a wrong baud rate";
+}
+
 TEST(WrongFrames, mainly_chinese_text_is_recognized_as_text_and_shown_in_readable_form) {
     const std::string_view utf8 = "姿态 横滚=7\r\n错误：传感器没有回答，第8次\r\n";
     const std::string_view gbk =
