@@ -122,7 +122,9 @@ bool has_device(const Gateway& gateway, LinkId link) {
 }
 
 // A likely configuration mistake although the link works: shown as a hint, not as an error.
-bool is_hint(const LinkError& trouble) { return trouble.id == "shared_port" || trouble.id == "other_adapter"; }
+bool is_hint(const LinkError& trouble) {
+    return trouble.id == "shared_port" || trouble.id == "other_adapter" || trouble.id == "twin_adapter";
+}
 
 Hint hint_of(LinkError trouble) {
     Hint hint{trouble.id, std::move(trouble.text), {}};

@@ -73,7 +73,10 @@ void SocketWatch::opened(const fs::path& root, const std::string& device) {
     if (from_.empty()) from_ = port.place;
     to_ = port.place;
     twin_.clear();
+    beside_.clear();
     if (awaits_twin()) look_for_twin(root, device);
+    if (!device.starts_with(by_id)) return;
+    if (const auto twins = twins_of(root, port); !twins.empty()) beside_ = twins.front();
 }
 
 void SocketWatch::look_for_twin(const fs::path& root, const std::string& device) {

@@ -40,9 +40,12 @@ public:
     const std::string& to() const noexcept { return to_; }
     /// A connected twin of the present adapter, if that is in another socket than the first; empty: no change was detected.
     const std::string& twin() const noexcept { return twin_; }
+    /// A twin that was connected when a name in /dev/serial/by-id was opened; empty: none. The name may have led to the other one
+    /// before this program started.
+    const std::string& beside() const noexcept { return beside_; }
 
 private:
-    std::string from_, to_, twin_;
+    std::string from_, to_, twin_, beside_;
 };
 
 /// The reason why `device`, a name in /dev/serial/by-id, may lead to another adapter, and the name to use; empty: it does not, or

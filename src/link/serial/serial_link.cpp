@@ -48,6 +48,13 @@ LinkError of_other_adapter(const std::string& device, const SocketWatch& socket)
             {{"device", device}, {"from", socket.from()}, {"to", socket.to()}, {"twin", socket.twin()}}};
 }
 
+LinkError of_twin(const std::string& device, const std::string& twin) {
+    return {"twin_adapter",
+            device + " may lead to either of two adapters: " + twin +
+                " is the same model. Check that this is the right device, and use its /dev/serial/by-path/ name (anoctl ports)",
+            {{"device", device}, {"twin", twin}}};
+}
+
 }    // namespace
 
 Opened<UniqueFd> SerialLink::open_port() {
@@ -91,6 +98,7 @@ LinkError SerialLink::trouble() const {
     if (wire_ < 0) return {};
     if (!socket_.twin().empty()) return of_other_adapter(device, socket_);
     if (shared_with_ && shared_with_->is_there()) return of_shared_port(device, *shared_with_);
+    if (!socket_.beside().empty()) return of_twin(device, socket_.beside());
     return {};
 }
 

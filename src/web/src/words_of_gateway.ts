@@ -31,6 +31,7 @@ export const hints: Record<string, string> = {
   no_frames_at_baud_any_more: "{seconds} 秒内有数据但没有有效帧：请检查波特率和固件",
   shared_port: "{program}（pid {pid}）也打开了 {device} 且没有加锁，会读走一部分数据：请结束该程序",
   other_adapter: "{device} 原来是 USB 口 {from} 上的转换器，现在是 {to} 上的；{twin} 是同一型号。请确认设备正确，并改用 /dev/serial/by-path/ 下的名称",
+  twin_adapter: "{device} 可能指向两个转换器中的任意一个：{twin} 是同一型号。请确认设备正确，并改用 /dev/serial/by-path/ 下的名称",
   checks_swapped: "校验字节顺序错误：设备应先发 SC，再发 AC",
   length_of_one_byte: "LEN 只有一个字节：设备应发送两个字节，低字节在前",
   length_big_endian: "LEN 高字节在前：设备应先发低字节",

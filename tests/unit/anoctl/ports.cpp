@@ -165,6 +165,7 @@ TEST(Ports, whose_name_refers_to_the_twin_after_replugging_are_detected) {
     plug_twin("2");
     open();
     EXPECT_EQ(watch.twin(), "");
+    EXPECT_EQ(watch.beside(), "/dev/ttyUSB1") << "both may have been plugged again before";
     plug("2");
     plug_twin("1");
     open();
@@ -173,6 +174,7 @@ TEST(Ports, whose_name_refers_to_the_twin_after_replugging_are_detected) {
     plug("3");
     open();
     EXPECT_EQ(watch.twin(), "") << "it was plugged into another socket, and is the only one";
+    EXPECT_EQ(watch.beside(), "");
     EXPECT_TRUE(watch.awaits_twin());
     plug_twin("1");
     watch.look_for_twin(computer.root(), "/dev/serial/by-id/usb-1a86_USB_Serial-if00-port0");
