@@ -78,6 +78,18 @@ void warn_of_interfaces(Draft& draft) {
     }
 }
 
+// The first of `all` before `i` that leads to the same device by another name; nullptr: none.
+const NamedPath* same_device_before(const std::vector<NamedPath>& all, std::size_t i) {
+    const auto device_at = [](const LinkPath& of) {
+        std::error_code ec;
+        return of.is_made ? fs::path{} : fs::canonical(of.path, ec);
+    };
+    const fs::path device = device_at(all[i].path);
+    for (std::size_t j = 0; j < i && !device.empty(); ++j)
+        if (all[j].path.path != all[i].path.path && device_at(all[j].path) == device) return &all[j];
+    return nullptr;
+}
+
 void warn(Draft& draft, const Origin& origin, std::string_view key, const std::string& path, const std::string& fault) {
     if (!fault.empty())
         draft.warnings.push_back({origin.key(key), "warning: " + in_quotes(key) + " " + in_quotes(path) + ": " + fault});
@@ -87,9 +99,13 @@ void warn(Draft& draft, const Origin& origin, std::string_view key, const std::s
 
 void warn_of_paths(Draft& draft) {
     warn_of_interfaces(draft);
-    for (const NamedPath& named : paths_of_links(draft)) {
-        const std::string& path = named.path.path;
-        warn(draft, named.origin, named.key, path, named.path.is_made ? fault_of_pty(path) : fault_of_device(named.path));
+    const std::vector<NamedPath> paths = paths_of_links(draft);
+    for (std::size_t i = 0; i < paths.size(); ++i) {
+        const auto& [of, key, origin] = paths[i];
+        warn(draft, origin, key, of.path, of.is_made ? fault_of_pty(of.path) : fault_of_device(of));
+        if (const NamedPath* const same = same_device_before(paths, i))
+            warn(draft, origin, key, of.path,
+                 "is the same device as " + in_quotes(same->path.path) + " of another link; only one link can open it");
     }
     for (std::size_t i = 0; i < draft.settings.links.size(); ++i) {
         const LinkSettings& link = draft.settings.links[i];

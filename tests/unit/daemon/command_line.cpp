@@ -125,6 +125,13 @@ TEST(CommandLine, a_check_warns_of_paths_that_cannot_be_created) {
     EXPECT_NE(warnings("pty:" + file + "/app").find(file + " is not a folder"), std::string::npos);
     EXPECT_NE(warnings("pty:" + file).find("another file exists there"), std::string::npos);
     EXPECT_EQ(warnings("pty:" + there + "/app"), "");
+    std::filesystem::create_symlink("/dev/null", there + "/by-path");
+    std::filesystem::create_symlink("/dev/null", there + "/ttyUSB0");
+    const std::string one = "serial:" + there + "/by-path,name=a", two = "serial:" + there + "/ttyUSB0,name=b";
+    EXPECT_NE(line_of({"--check", one.c_str(), two.c_str()})
+                  .warnings.find("is the same device as '" + there + "/by-path' of another link; only one link can open it"),
+              std::string::npos);
+    EXPECT_EQ(warnings(one).find("same device"), std::string::npos);
     EXPECT_EQ(warnings("pty:/run/anogate/app"), "") << "that one is made";
     EXPECT_NE(warnings("serial:" + there + ",baud=500000").find("': is a folder; give the path of the serial port"),
               std::string::npos);
