@@ -231,7 +231,7 @@ void PcapngReader::read_options(Bytes options, RecordedFrame& frame) {
         else if (option->code == opt_comment && skip_prefix(text, decoding_mark)) decoding += text;
         else if (option->code == opt_comment) read_comment(text, frame);
     }
-    if (!decoding.empty()) head_.decoding = Decoding::parse(decoding);
+    if (!decoding.empty()) head_.use_decoding(decoding);
     if (frame.channel) frame.peer = peers_[*frame.channel];
     if (loss.count > 0) loss_ = loss;
 }

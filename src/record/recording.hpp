@@ -39,7 +39,14 @@ struct RecordingHead {
     std::string program;    // "anoctl 0.1.0"
     std::uint64_t time_ns = 0;
     std::uint64_t boottime_ns = 0;
-    DecodingPtr decoding{};    // of the frames; in a reader: that of its last frame
+    DecodingPtr decoding{};           // of the frames; in a reader: that of its last frame
+    bool has_bad_decoding = false;    // in a reader: one could not be read
+
+    /// `text` of Decoding, as read from a recording.
+    void use_decoding(std::string_view text) {
+        decoding = Decoding::parse(text);
+        has_bad_decoding = has_bad_decoding || !decoding;
+    }
 };
 
 /// Texts of a recording are cut after this many bytes, and before a NUL.

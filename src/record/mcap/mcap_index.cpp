@@ -99,7 +99,7 @@ private:
         if (!record || record->opcode != Opcode::metadata) return;
         const std::string_view name = mcap::name_of_metadata(record->body);
         if (name == mcap::counts_name) counts_ = RecordingCounts::of_json(mcap::metadata_at(record->body, "json"));
-        if (name == mcap::decoding_name) head_.decoding = Decoding::parse(mcap::metadata_at(record->body, "json"));
+        if (name == mcap::decoding_name) head_.use_decoding(mcap::metadata_at(record->body, "json"));
         if (name != mcap::head_name) return;
         head_ = mcap::recording_head_of(record->body);
         has_head_ = true;

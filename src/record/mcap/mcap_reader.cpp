@@ -80,7 +80,7 @@ void McapReader::process_outer(const mcap::Record& record) {
 
 void McapReader::process_metadata(std::string_view body) {
     const std::string_view name = mcap::name_of_metadata(body);
-    if (name == mcap::decoding_name) head_.decoding = Decoding::parse(mcap::metadata_at(body, "json"));
+    if (name == mcap::decoding_name) head_.use_decoding(mcap::metadata_at(body, "json"));
     if (name != mcap::head_name) return;
     head_ = mcap::recording_head_of(body);
     has_head_ = true;

@@ -203,6 +203,36 @@ TEST(Record, rejects_unusable_arguments) {
     EXPECT_FALSE(std::filesystem::exists(folder / "a.pcapng"));    // nothing is left if there was nothing to record
 }
 
+TEST(Convert, uses_the_attitude_and_the_encoding_of_the_configuration_for_its_links) {
+    const support::TempDir folder;
+    const std::string file = folder.write("flight.pcapng", flight()), out = folder / "out.pcapng";
+    const auto convert = [&](const std::string& in, const std::string& config) {
+        const auto made = anoctl({"convert", in, out, "--force", "--config", folder.write("c.json", config)});
+        EXPECT_EQ(made.exit, 0) << made.err;
+        return file_text(out);
+    };
+    const std::string lx = convert(file, R"({"links": ["sim:fc,attitude=lx,encoding=gbk"]})");
+    EXPECT_NE(lx.find(R"("attitude":{"fc":"lx"})"), std::string::npos);
+    EXPECT_NE(lx.find(R"("encoding":{"fc":"gbk"})"), std::string::npos);
+    const std::string recorded = folder.write("lx.pcapng", lx);
+    EXPECT_NE(convert(recorded, R"({"flexible": []})").find(R"("attitude":{"fc":"lx"})"), std::string::npos);
+    EXPECT_EQ(convert(recorded, R"({"links": ["sim:fc"]})").find(R"("attitude")"), std::string::npos);
+}
+
+TEST(Convert, reports_layouts_that_cannot_be_read) {
+    const support::TempDir folder;
+    const std::string file = folder.write("flight.pcapng", flight());
+    const std::string config = folder.write("c.json", R"({"links": ["sim:fc,attitude=lx"]})");
+    ASSERT_EQ(anoctl({"convert", file, folder / "lx.pcapng", "--config", config}).exit, 0);
+    std::string damaged = file_text(folder / "lx.pcapng");
+    const std::size_t at = damaged.find(R"({"attitude")");
+    ASSERT_NE(at, std::string::npos);
+    damaged[at] = '[';
+    const auto made = anoctl({"convert", folder.write("damaged.pcapng", damaged), "-"});
+    EXPECT_NE(made.err.find("layouts in the recording can't be read"), std::string::npos) << made.err;
+    EXPECT_EQ(anoctl({"convert", file, "-"}).err.find("layouts"), std::string::npos);
+}
+
 TEST(Convert, writes_mcap_that_converts_back_to_the_same_pcapng) {
     const support::TempDir folder;
     const std::string file = folder.write("flight.pcapng", flight());

@@ -12,6 +12,8 @@
 #include <ano_json/escapes.hpp>
 #include <ano_json/lower_case.hpp>
 #include <ano_json/text.hpp>
+#include <config/config.hpp>
+#include <link/kinds.hpp>
 #include <record/csv.hpp>
 #include <record/recording_writer.hpp>
 #include <record/sender_encodings.hpp>
@@ -241,8 +243,7 @@ struct Convert {
 
     int run(Streams& streams) const {
         const std::bitset<256> wanted = wanted_messages();
-        const std::optional<std::vector<ano::FlexibleSpec>> given = frames.config.empty() ? std::nullopt
-                                                                                          : std::optional{frames.specs()};
+        const std::optional<Given> given = frames.config.empty() ? std::nullopt : std::optional{read_config()};
         const ano::FlexibleLayouts none;
         const ano::JsonOptions options = frames.json_options(none);    // `none` until use()
         if (out == file && out != "-") throw UsageError{out + " is what is read"};
@@ -269,13 +270,34 @@ struct Convert {
     }
 
 private:
-    /// `recorded`, with the layouts `given` instead of its own.
-    static DecodingPtr with(const std::optional<std::vector<ano::FlexibleSpec>>& given, const DecodingPtr& recorded) {
-        if (recorded && !given) return recorded;
-        static const anogate::Decoding usual;
-        const anogate::Decoding& of_file = recorded ? *recorded : usual;
-        return std::make_shared<const anogate::Decoding>(given.value_or(std::vector<ano::FlexibleSpec>{}), of_file.lx(),
-                                                         of_file.texts());
+    /// The configuration given by --config.
+    struct Given {
+        std::vector<std::string> links;    // names
+        DecodingPtr decoding;
+    };
+    Given read_config() const {
+        std::vector<ano::FlexibleSpec> flexible = frames.specs();
+        const anogate::Settings settings = anogate::parse_config(frames.config_text(), anogate::link_kinds()).settings;
+        Given given;
+        for (const anogate::LinkSettings& link : settings.links) given.links.push_back(link.name);
+        given.decoding = anogate::decoding_of(settings, std::move(flexible));
+        return given;
+    }
+    /// `recorded`, with what is `given` instead of its own: all layouts, and what belongs to the links.
+    static DecodingPtr with(const std::optional<Given>& given, const DecodingPtr& recorded) {
+        if (!given) return recorded ? recorded : std::make_shared<const anogate::Decoding>();
+        auto lx = given->decoding->lx();
+        auto texts = given->decoding->texts();
+        const auto is_given = [&](const std::string& link) {
+            return std::find(given->links.begin(), given->links.end(), link) != given->links.end();
+        };
+        if (recorded) {
+            for (const std::string& link : recorded->lx())
+                if (!is_given(link)) lx.insert(link);
+            for (const auto& [link, encoding] : recorded->texts())
+                if (!is_given(link)) texts.emplace(link, encoding);
+        }
+        return std::make_shared<const anogate::Decoding>(given->decoding->flexible(), std::move(lx), std::move(texts));
     }
     std::bitset<256> wanted_messages() const {
         std::bitset<256> wanted;

@@ -140,6 +140,10 @@ std::vector<std::string> RecordingFacts::notes() const {
     const std::string rest = std::to_string(size - read) + " of " + std::to_string(size) + " bytes";
     if (!fault.empty()) lines.push_back("damaged after byte " + std::to_string(read) + ", " + rest + " skipped: " + fault);
     else if (read < size) lines.push_back("cut off: the last " + rest + " are an incomplete block");
+    if (head.has_bad_decoding)
+        lines.push_back(
+            "the layouts in the recording can't be read, so flexible messages are not decoded: give a configuration "
+            "with --config");
     const bool ours = head.program.starts_with("ano");
     if (fault.empty() && !has_end && ours) lines.push_back("not finished: the recording is still running or was aborted");
     if (foreign > 0) lines.push_back(counted(foreign, "packet") + " without a complete frame");

@@ -129,14 +129,18 @@ void FrameOptions::add(Options& options, FrameOptions& self) {
     options.push_back({"--config", &self.config, "FILE", "Gateway configuration with the layouts of flexible messages"});
 }
 
-std::vector<FlexibleSpec> FrameOptions::specs() const {
-    if (config.empty()) return known;
+std::string FrameOptions::config_text() const {
     std::error_code error;
-    const std::string text = anogate::read_file(config, anogate::max_config_size, error);
+    std::string text = anogate::read_file(config, anogate::max_config_size, error);
     if (error == std::errc::operation_not_supported)
         throw UsageError{"--config " + config + ": not a regular file, but a pipe, socket or device"};
     if (error) throw UsageError{"--config " + config + ": cannot read: " + error.message()};
-    const nlohmann::json whole = json_with_comments(text, "--config " + config);
+    return text;
+}
+
+std::vector<FlexibleSpec> FrameOptions::specs() const {
+    if (config.empty()) return known;
+    const nlohmann::json whole = json_with_comments(config_text(), "--config " + config);
     if (!whole.is_object()) throw UsageError{"--config " + config + ": not a JSON object"};
     std::vector<FlexibleSpec> specs;
     if (!whole.contains("flexible")) return specs;

@@ -30,6 +30,8 @@ struct FrameOptions {
     static void add(Options& options, FrameOptions& self);
     /// Only --encoding.
     static void add_encoding(Options& options, FrameOptions& self);
+    /// The text of `config`. Throws UsageError if the file is not readable.
+    std::string config_text() const;
     /// Throws UsageError if `config` can't be read.
     std::vector<ano::FlexibleSpec> specs() const;
     ano::FlexibleLayouts layouts() const { return ano::FlexibleLayouts{specs()}; }
