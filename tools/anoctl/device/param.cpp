@@ -122,6 +122,11 @@ private:
         return fine;
     }
 
+    static std::vector<std::string> names_of(const std::vector<Assignment>& wanted) {
+        std::vector<std::string> names(wanted.size());
+        std::transform(wanted.begin(), wanted.end(), names.begin(), [](const Assignment& one) { return one.name; });
+        return names;
+    }
     /// The parameters without values.
     static Json descriptions(DeviceClient& client) {
         return at(client.run("GET", client.target("/parameters?values=0")), "parameters");
@@ -140,13 +145,19 @@ private:
         DeviceClient client{options, streams};
         client.will_act();
         const Json described = checked_descriptions(client, wanted);
-        if (described.empty()) {    // protocol V7 has no list, so nothing can be checked before
+        if (described.empty()) {    // protocol V7 has no list: their values show whether the device has them
+            check_by_values(client, wanted);
             for (const Assignment& one : wanted) set_one(client, one, streams);
             return fine;
         }
         if (wanted.size() > 1) return set_all(client, wanted, described, streams);
         set_one(client, wanted[0], streams);
         return fine;
+    }
+    static void check_by_values(DeviceClient& client, const std::vector<Assignment>& wanted) {
+        const Json answer = client.run("GET", client.target("/parameters?" + names_query(names_of(wanted))));
+        if (const std::string missing = text_at(answer, "incomplete"); !missing.empty()) throw Failure{missing};
+        check(wanted, at(answer, "parameters"));
     }
     void set_one(DeviceClient& client, const Assignment& one, Streams& streams) const {
         show_set(client.run("PUT", client.target("/parameters/" + percent_encoded(one.name)), wanted_value(one.value).dump()),
@@ -160,9 +171,7 @@ private:
     /// The descriptions of the wanted ones as read before, also by an earlier run, if the values fit them; otherwise all, as the
     /// device describes them now: an unknown name is compared with all names.
     static Json checked_descriptions(DeviceClient& client, const std::vector<Assignment>& wanted) {
-        std::vector<std::string> names(wanted.size());
-        std::transform(wanted.begin(), wanted.end(), names.begin(), [](const Assignment& one) { return one.name; });
-        const std::string these = are_numbers(wanted) ? "" : "&" + names_query(names);
+        const std::string these = are_numbers(wanted) ? "" : "&" + names_query(names_of(wanted));
         const Json known = client.run("GET", client.target("/parameters?values=0&known" + these));
         try {
             check(wanted, at(known, "parameters"));
