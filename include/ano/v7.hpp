@@ -132,8 +132,11 @@ public:
         std::size_t max_data = max_len;    // a larger LEN is refused
         Duration quiet = std::chrono::milliseconds{
             20};    // after this time without a byte, a waiting candidate makes way for a valid frame
+        // Pauses of this length are normal inside a frame: after `quiet`, a candidate is given up only if valid frames after it end
+        // with the last byte received. Zero: not set.
+        Duration frame_gap{};
     };
-    /// After this time without a byte (or `quiet`, if that is longer), waiting candidates are given up.
+    /// After this time without a byte (or `quiet` or `frame_gap`, if that is longer), waiting candidates are given up.
     static constexpr Duration patience = std::chrono::milliseconds{200};
 
     explicit FrameParser(Options options);
@@ -146,7 +149,7 @@ public:
     std::optional<FrameView> next() noexcept;
 
     /// Call before the bytes of a datagram are written. The rest of the previous one is kept only if it is younger than 100 ms
-    /// (or `quiet`, if that is longer) and `datagram` does not itself start with a complete valid frame.
+    /// (or `quiet` or `frame_gap`, if that is longer) and `datagram` does not itself start with a complete valid frame.
     void begin_datagram(std::span<const std::uint8_t> datagram, TimePoint now) noexcept;
     /// The input ends here: next() no longer waits for the rest of a candidate. Bytes committed later are parsed separately.
     void finish() noexcept { barrier_ = end_; }
@@ -167,6 +170,8 @@ private:
     Verdict judge(std::size_t at, std::size_t limit) const noexcept;
     std::size_t find_head(std::size_t from) const noexcept;
     std::size_t find_good_frame_behind(std::size_t at) const noexcept;
+    std::size_t find_good_frames_to_the_end(std::size_t at) const noexcept;
+    Duration longest_pause() const noexcept { return std::max(options_.quiet, options_.frame_gap); }
 
     Options options_;
     LazyArray<std::uint8_t> buffer_;
@@ -175,6 +180,7 @@ private:
     std::size_t end_ = 0;         // end of the committed bytes
     std::size_t barrier_ = 0;     // the rest of a candidate that begins before this was not received: it ends here
     bool none_behind_ = false;    // no valid frame was found behind the waiting candidate since the last byte arrived
+    bool none_at_end_ = false;    // the same for valid frames that end with the last byte
     TimePoint last_arrival_{};
     ParserCounters counters_;
 };

@@ -40,7 +40,7 @@ void FrameParser::commit(std::size_t n, TimePoint now) noexcept {
     sums_.extend({buffer_.get(), end_}, end_);
     counters_.bytes_in += n;
     last_arrival_ = now;
-    none_behind_ = false;
+    none_behind_ = none_at_end_ = false;
 }
 
 std::optional<FrameView> FrameParser::next() noexcept {
@@ -69,27 +69,31 @@ std::optional<FrameView> FrameParser::next() noexcept {
 
 void FrameParser::begin_datagram(std::span<const std::uint8_t> datagram, TimePoint now) noexcept {
     if (waiting() == 0) return;
-    if (now - last_arrival_ >= std::max(v7_datagram_patience, options_.quiet) || frame_at(datagram, options_.max_data)) finish();
+    if (now - last_arrival_ >= std::max(v7_datagram_patience, longest_pause()) || frame_at(datagram, options_.max_data)) finish();
 }
 
 bool FrameParser::expire(TimePoint now) noexcept {
     if (waiting() == 0) return false;
     const Duration silence = now - last_arrival_;
-    if (silence >= options_.quiet && !none_behind_) {
-        if (const std::size_t good = find_good_frame_behind(pos_); good != end_) {
+    const bool may_go_on = silence < longest_pause();
+    bool& none = may_go_on ? none_at_end_ : none_behind_;
+    if (silence >= options_.quiet && !none) {
+        const std::size_t good = may_go_on ? find_good_frames_to_the_end(pos_) : find_good_frame_behind(pos_);
+        if (good != end_) {
             barrier_ = good;
             return true;
         }
-        none_behind_ = true;
+        none = true;
     }
-    if (silence < std::max(patience, options_.quiet)) return false;
+    if (silence < std::max(patience, longest_pause())) return false;
     barrier_ = end_;
     return true;
 }
 
 std::optional<TimePoint> FrameParser::deadline() const noexcept {
     if (waiting() == 0) return std::nullopt;
-    return last_arrival_ + (none_behind_ ? std::max(patience, options_.quiet) : options_.quiet);
+    if (none_behind_) return last_arrival_ + std::max(patience, longest_pause());
+    return last_arrival_ + (none_at_end_ ? longest_pause() : options_.quiet);
 }
 
 FrameParser::Verdict FrameParser::judge(std::size_t at, std::size_t limit) const noexcept {
@@ -114,6 +118,15 @@ std::size_t FrameParser::find_good_frame_behind(std::size_t at) const noexcept {
     do at = find_head(at + 1);
     while (at < end_ && judge(at, end_) != Verdict::good);
     return at;
+}
+
+// Where valid frames behind `at` begin, of which the last one ends with the last byte received; end_: there are none.
+std::size_t FrameParser::find_good_frames_to_the_end(std::size_t at) const noexcept {
+    const std::size_t first = find_good_frame_behind(at);
+    std::size_t next = first;
+    while (next < end_ && next + overhead + buffer_[next + 3] < end_)
+        next = find_good_frame_behind(next + overhead + buffer_[next + 3] - 1);
+    return next < end_ ? first : end_;
 }
 
 }    // namespace ano::v7
