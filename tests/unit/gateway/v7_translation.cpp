@@ -507,14 +507,17 @@ TEST(V7Translation, a_write_is_sent_once_and_acknowledged_by_the_device) {
 
 TEST(V7Translation, values_that_were_not_requested_are_sent_to_the_host) {
     V7Link link{fc};
-    EXPECT_EQ(link.up(v7_frame(0xFF, 0xE2, {11, 0, 1, 0, 0, 0})), Frames{frame(fc, host, 0xE1, {11, 0, 1, 0, 0, 0})});
+    EXPECT_EQ(link.up(v7_frame(0xAF, 0xE2, {11, 0, 1, 0, 0, 0})), Frames{frame(fc, host, 0xE1, {11, 0, 1, 0, 0, 0})});
 }
 
 // A tapped line, on which another computer writes to the device.
 TEST(V7Translation, a_write_to_the_device_is_not_taken_for_a_value_of_it) {
     V7Link link{imu};
+    for (const std::uint8_t to : Bytes{0x60, 0x61, 0xFF}) EXPECT_TRUE(link.up(v7_frame(to, 0xE2, {11, 0, 1, 0, 0, 0})).empty());
+    EXPECT_EQ(link.counted().up_command, 3u);
+    link.down(0xE0, {2, 11, 0});
     EXPECT_TRUE(link.up(v7_frame(0x60, 0xE2, {11, 0, 1, 0, 0, 0})).empty());
-    EXPECT_EQ(link.counted().up_command, 1u);
+    EXPECT_EQ(link.up(v7_frame(0xFF, 0xE2, {11, 0, 2, 0, 0, 0})).size(), 1u) << "some devices answer to all";
 }
 
 TEST(V7Translation, probes_contain_no_second_head) {
@@ -807,6 +810,24 @@ TEST(V7Echo, no_telemetry_circulates_in_a_loop) {
     EXPECT_GT(b.counted().up_loop, 0u);
 }
 
+// A command that returned is sent once more, but behind a probe that ends the loop. The first one needs that only if the last probe
+// was sent long before.
+TEST(V7Echo, a_command_that_is_sent_again_follows_a_probe) {
+    V7Link link{{.address = imu, .line = 7}};
+    const auto probes_for = [&](const Bytes& v8) {
+        EXPECT_EQ(link.down(v8).size(), 1u);
+        return std::exchange(link.probes, {}).size();
+    };
+    const Bytes first = frame(host, imu, 0xC0, {0x10, 0, 1}), other = frame(host, imu, 0xC0, {0x10, 0, 2});
+    EXPECT_EQ(probes_for(first), 1u);
+    EXPECT_EQ(probes_for(other), 0u);
+    EXPECT_EQ(probes_for(first), 1u);
+    link.pass(1001ms);
+    EXPECT_EQ(probes_for(first), 0u);
+    EXPECT_EQ(probes_for(frame(host, imu, 0x40, Bytes(20))), 0u);
+    EXPECT_EQ(probes_for(frame(host, imu, 0x40, Bytes(20))), 0u) << "sticks";
+}
+
 // --- Laws
 
 TEST(V7Translation, drops_and_counts_messages_without_a_counterpart_in_v7) {
@@ -853,6 +874,31 @@ TEST(V7Translation, nothing_reaches_a_device_that_it_would_take_for_its_own_sens
     EXPECT_GT(link.counted().down_own_sensor, 100u);
     EXPECT_GT(link.counted().down_erase, 100u);
     EXPECT_GT(link.counted().down, 1000u);
+}
+
+// A device that has lost the header of the outer frame finds the inner one.
+TEST(V7Translation, no_frame_contains_one_that_a_device_must_not_get) {
+    V7Link link{{.address = imu, .max_data = 255}};
+    const Bytes measurement = v7_frame(0xFF, 0x03, Bytes(7)), erase = v7_frame(0xFF, 0xE0, {0x01, 0x20, 0xAA, 1}),
+                unlock = v7_frame(0xFF, 0xE0, {0x10, 0, 1});
+    EXPECT_TRUE(link.down(0xF1, Bytes{1, 0xAA} + measurement + Bytes{2}).empty());
+    EXPECT_EQ(link.counted().down_own_sensor, 1u);
+    EXPECT_TRUE(link.down(0xA0, Bytes{0} + erase).empty());
+    EXPECT_EQ(link.counted().down_erase, 1u);
+    EXPECT_EQ(link.down(0xF1, unlock).size(), 1u);
+    Bytes damaged = measurement;
+    ++damaged.back();
+    EXPECT_EQ(link.down(0xF1, damaged).size(), 1u);
+    EXPECT_EQ(drops(link.counted()), 2u);
+}
+
+TEST(V7Translation, a_frame_with_several_distances_is_dropped_once) {
+    V7Link link{imu};
+    Bytes distances{100};
+    for (int i = 0; i < 5; ++i)
+        distances = distances + pack(std::uint16_t{27000}, std::uint16_t{10});    // V7 has no such direction
+    link.down(0x34, distances);
+    EXPECT_EQ(drops(link.counted()), 1u);
 }
 
 TEST(V7Translation, allocates_only_at_construction) {
