@@ -13,6 +13,7 @@
 #include <sys/socket.h>
 
 #include <algorithm>
+#include <deque>
 #include <memory>
 
 namespace peer_places_tests {
@@ -313,10 +314,12 @@ TEST(LocalPeers, one_seen_once_does_not_replace_one_seen_again) {
 TEST(LocalPeers, that_send_once_keep_no_device_from_its_place) {
     RunningGateway daemon{udp_listen("air"), udp_listen("ground")};
     UdpPeer station, device;
+    std::deque<UdpPeer> strangers;    // open for a while: a closed port would be reported, and its place would become free
     const auto send_strangers = [&] {
         const auto before = daemon.count("air", "bytes_in");
         const Bytes once = frame(0x40, 0xFE, 0xF1, Bytes(10, 1));
-        for (int i = 0; i < 20; ++i) UdpPeer{}.send(daemon.port("air"), once);
+        for (int i = 0; i < 20; ++i) strangers.emplace_back().send(daemon.port("air"), once);
+        while (strangers.size() > 100) strangers.pop_front();
         EXPECT_TRUE(daemon.until([&] { return daemon.count("air", "bytes_in") >= before + 20 * once.size(); }));
     };
     const auto send = [&] { device.send(daemon.port("air"), frame(0x41, 0xFE, 0xF1, Bytes(10, 2))); };
