@@ -98,10 +98,13 @@ constexpr char erased = '\xFF';    // a byte of flash
 
 bool is_hex_digit(char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f') || (c >= 'A' && c <= 'F'); }
 
-/// `text` without the UTF-8 byte order mark, and without empty lines (any line ends) and padding before the text.
+/// `text` without the UTF-8 byte order mark, and without empty lines (any line ends) and control characters before the text.
 std::string_view without_mark(std::string_view text) {
-    constexpr std::string_view mark = "\xEF\xBB\xBF", blank{" \t\r\n\v\f\x1A\0", 8};
-    const auto skip_blank = [&] { text.remove_prefix(std::min(text.find_first_not_of(blank), text.size())); };
+    constexpr std::string_view mark = "\xEF\xBB\xBF";
+    const auto skip_blank = [&] {
+        const auto is_blank = [](char c) { return static_cast<unsigned char>(c) <= 0x20; };
+        text.remove_prefix(static_cast<std::size_t>(std::find_if_not(text.begin(), text.end(), is_blank) - text.begin()));
+    };
     skip_blank();
     if (text.starts_with(mark)) text.remove_prefix(mark.size());
     skip_blank();
@@ -162,11 +165,12 @@ constexpr std::array file_kinds{
     FileKind{"ustar", "this is a tar file; unpack it first: tar -xf FILE.tar", 257},
 };
 
-// Whether c is a printable character. Bytes from 0x80 on may be UTF-8 or GBK, neither of which uses 0xFF.
+// Whether c is a character of a text file: printable, or one that a terminal obeys (\a \b \t \n \v \f \r ESC). Bytes from 0x80 on
+// may be UTF-8 or GBK, neither of which uses 0xFF.
 bool is_printed(char c) {
     const auto byte = static_cast<unsigned char>(c);
     constexpr unsigned char space = 0x20, del = 0x7F;
-    return (byte >= space && byte != del && c != erased) || c == '\t' || c == '\n' || c == '\r' || c == '\f';
+    return (byte >= space && byte != del && c != erased) || (c >= '\a' && c <= '\r') || c == '\x1B';
 }
 
 /// A web form (multipart/form-data): a boundary, and the header of a part.
@@ -245,12 +249,18 @@ bool is_text_and_padding(const FirmwareBytes& file, std::string_view begin) {
            padding(file, begin.size(), pad) == file.size() - begin.size();
 }
 
-/// The end of a ZIP file without a comment. Such a file may begin with any bytes, as a self-extracting one does.
+/// The end of a ZIP file, perhaps with a comment. Such a file may begin with any bytes, as a self-extracting one does.
 bool ends_as_zip(const FirmwareBytes& file) {
-    std::array<std::uint8_t, 22> end{};
     constexpr std::string_view magic_of_end = "PK\5\6";
-    return file.size() > end.size() && file.read(file.size() - end.size(), end) &&
-           std::equal(magic_of_end.begin(), magic_of_end.end(), end.begin());
+    constexpr std::size_t end_bytes = 22, comment_size_at = 20, longest_comment = 0xFFFF;
+    std::vector<std::uint8_t> tail(std::min(file.size(), end_bytes + longest_comment));
+    if (tail.size() <= end_bytes || !file.read(file.size() - tail.size(), tail)) return false;
+    for (auto at = tail.begin();; ++at) {
+        at = std::search(at, tail.end(), magic_of_end.begin(), magic_of_end.end());
+        const auto left = static_cast<std::size_t>(tail.end() - at);
+        if (left < end_bytes) return false;
+        if (load<std::uint16_t>(&*at + comment_size_at) == left - end_bytes) return true;
+    }
 }
 
 /// The file without the header of a .bia and without leading padding. An image has a few zeros there, but no magic of another

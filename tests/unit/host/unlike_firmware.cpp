@@ -147,5 +147,25 @@ TEST(UnlikeFirmware, is_not_an_image_that_starts_like_a_compiled_one) {
         EXPECT_EQ(doubt_about(with_bytes(begin)), "");
 }
 
+TEST(UnlikeFirmware, a_log_for_a_terminal_is_text) {
+    for (const std::string line : {"\x1b[32mINFO\x1b[0m boot ok\r\n", "N\bNA\bAM\bME\b\n", "a\vb\f\a\n"}) {
+        std::string log;
+        for (int i = 0; i < 100; ++i) log += line;
+        EXPECT_EQ(doubt_about(log), "this is a text file") << line;
+    }
+}
+
+TEST(UnlikeFirmware, control_characters_before_hex_records_hide_nothing) {
+    EXPECT_EQ(doubt_about("\x02:10010000214601360121470136007EFE09D2190140\r\n").find("this is an Intel HEX file"), 0u);
+}
+
+TEST(UnlikeFirmware, a_zip_file_may_have_bytes_before_it_and_a_comment) {
+    std::string zip(2000, '\x90');
+    zip += std::string{"PK\5\6", 4} + std::string(16, '\0') + std::string{"\x03\0", 2} + "abc";
+    EXPECT_EQ(doubt_about(zip), "this is a ZIP file; unpack it first");
+    EXPECT_EQ(doubt_about(zip + "d"), "") << "not its end";
+    EXPECT_EQ(doubt_about(std::string(2000, '\x90') + "PK\5\6"), "");
+}
+
 }    // namespace
 }    // namespace ano::host::unlike_firmware_tests
