@@ -203,13 +203,13 @@ TEST(V7Parser, the_rest_of_a_frame_is_waited_for_200_ms) {
 // A bridge that pauses inside a frame: the rest is waited for, but not while whole frames follow.
 TEST(V7Parser, with_frame_gap_a_false_header_delays_no_frame_for_longer_than_quiet) {
     V7Line line{{.frame_gap = 500ms}};
-    const Bytes good = v7_frame(0xFF, 0x03, Bytes(7, 1));
-    line.put(Bytes{0xAA, 0xFF, 0x03, 200} + good + good);
+    const Bytes whole = v7_frame(0xFF, 0x03, Bytes(7, 1));
+    line.put(Bytes{0xAA, 0xFF, 0x03, 200} + whole + whole);
     line.now += 20ms;
     ASSERT_TRUE(line.parser.deadline());
     EXPECT_LE(*line.parser.deadline(), line.now);
     line.expire();
-    EXPECT_EQ(line.frames, (Frames{good, good}));
+    EXPECT_EQ(line.frames, (Frames{whole, whole}));
     line.frames.clear();
     const Bytes cut = v7_frame(0xFF, 0x03, Bytes(40, 2));
     line.put(std::span{cut}.first(30));
@@ -220,13 +220,13 @@ TEST(V7Parser, with_frame_gap_a_false_header_delays_no_frame_for_longer_than_qui
     EXPECT_EQ(line.frames, Frames{cut});
     line.frames.clear();
     // whole frames, but also the beginning of another one
-    line.put(Bytes{0xAA, 0xFF, 0x03, 200} + good + Bytes{0xAA, 0xFF});
+    line.put(Bytes{0xAA, 0xFF, 0x03, 200} + whole + Bytes{0xAA, 0xFF});
     line.now += 400ms;
     line.expire();
     EXPECT_TRUE(line.frames.empty());
     line.now += 100ms;
     line.expire();
-    EXPECT_EQ(line.frames, Frames{good});
+    EXPECT_EQ(line.frames, Frames{whole});
 }
 
 TEST(V7Parser, a_datagram_that_begins_with_a_frame_ends_the_one_before) {

@@ -154,13 +154,13 @@ struct Gateways {
     std::size_t commands = 0;    // that left a line with a host program
 };
 
-const Bytes unlock_in_v8 = frame(host, imu, 0xC0, {0x10, 0, 1});
+const Bytes unlock_of_host = frame(host, imu, 0xC0, {0x10, 0, 1});
 
 TEST(V7Gateways, in_a_ring_no_command_returns_to_its_gateway) {
     for (const std::size_t number : {1u, 2u, 3u}) {
         Gateways ring{number};
         for (int i = 0; i < 5; ++i) {
-            ring.send(unlock_in_v8, 0, [&](std::size_t at) { return (at + 1) % number; });
+            ring.send(unlock_of_host, 0, [&](std::size_t at) { return (at + 1) % number; });
             EXPECT_EQ(ring.commands, number - 1) << "the first one passes each gateway once, then the ring is known";
             ring.now += i * 2s;
         }
@@ -171,7 +171,7 @@ TEST(V7Gateways, in_a_ring_no_command_returns_to_its_gateway) {
 TEST(V7Gateways, in_a_row_pass_each_command_once) {
     Gateways row{3};
     for (int i = 0; i < 5; ++i) {
-        row.send(unlock_in_v8, 0, [&](std::size_t at) { return at + 1; });
+        row.send(unlock_of_host, 0, [&](std::size_t at) { return at + 1; });
         row.now += 100ms;
     }
     EXPECT_EQ(std::count_if(row.reached.begin(), row.reached.end(), [](const Bytes& f) { return f[2] == 0xE0; }), 5);
@@ -182,13 +182,13 @@ TEST(V7Gateways, in_a_row_pass_each_command_once) {
 TEST(V7Gateways, a_line_whose_probe_returns_as_v8_passes_nothing) {
     Gateways::Gateway a{1}, b{2};
     const ano::TimePoint now{1h};
-    a.device.down(ano::FrameView{unlock_in_v8}, now, a);
+    a.device.down(ano::FrameView{unlock_of_host}, now, a);
     for (const Bytes& f : std::exchange(a.on_wire, {})) b.program.up(v7::FrameView{f}, now, b);
     ASSERT_EQ(b.received.size(), 2u) << "the probe and the command";
     for (const Bytes& f : b.received) a.device.down(ano::FrameView{f}, now, a);
     EXPECT_TRUE(a.on_wire.empty());
     EXPECT_EQ(a.device.counters().down_loop, 2u);
-    a.device.down(ano::FrameView{unlock_in_v8}, now + V7EchoWatch::holds, a);
+    a.device.down(ano::FrameView{unlock_of_host}, now + V7EchoWatch::holds, a);
     EXPECT_FALSE(a.on_wire.empty());
 }
 
