@@ -130,7 +130,8 @@ private:
 
 /// Calls one command. The protocol has no negative answer, and a device runs a repeated frame again. So the command is sent once,
 /// and without an answer for 2 s the end is `unknown`: the command may have been carried out, or the device does not know it.
-/// With `repeat` it is sent five times, and without an answer the end is `timeout`. If the values do not fit in number, type or
+/// With `repeat` it is sent five times, and without an answer the end is `timeout`. If an equal command was sent before, and its
+/// acknowledgement may still arrive, an acknowledgement ends it as `unknown` too. If the values do not fit in number, type or
 /// range, or a type is open, the end is `invalid`, and nothing is sent.
 class CommandCall final : public Task {
 public:

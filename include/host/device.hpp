@@ -139,6 +139,8 @@ public:
     /// line: no answer can arrive in that time. After max_queued a frame counts as sent.
     void wait_to_leave(TimePoint now) noexcept;
     static constexpr Duration max_queued = std::chrono::seconds{10};
+    /// The last ended request with these check bytes in its frame was not sent: no answer to it will arrive.
+    void was_not_sent(Checks checks) noexcept;
     /// When next_frame() last returned a frame.
     TimePoint last_sent() const noexcept { return last_sent_; }
     /// `flush` is called before a frame is sent that the device may not receive, because its parser waits inside a damaged frame:
@@ -292,7 +294,7 @@ private:
     void remember(const Exchange& exchange, bool answered) noexcept;
     bool may_be_swallowed(const Exchange& exchange, TimePoint now) const noexcept;
     bool may_be_second_answer(const Exchange& exchange, TimePoint now) noexcept;
-    bool has_unanswered_equal(const Exchange& command, TimePoint now) const noexcept;
+    bool has_unanswered_equal(const Exchange& command) const noexcept;
     void expire(TimePoint now);
     void end(Exchanges& from, Exchanges::iterator which, Outcome outcome, std::optional<FrameView> answer, TimePoint now,
              std::optional<Evidence> instead = std::nullopt);

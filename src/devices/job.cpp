@@ -49,6 +49,7 @@ Json evidence_json(const ano::host::Evidence& of) {
         evidence["rtt_ms"] = static_cast<double>(std::chrono::duration_cast<std::chrono::microseconds>(*of.round_trip).count()) /
                              1000;
     if (of.by_port) evidence["acknowledged_by"] = ano::hex_byte(*of.by_port);
+    if (of.may_be_of_equal) evidence["ambiguous"] = true;
     if (!of.unfit.empty()) evidence["unfit"] = ano::hex(of.unfit);
     return evidence;
 }

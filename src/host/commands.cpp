@@ -250,13 +250,14 @@ void CommandCall::start(TimePoint now) {
 }
 
 void CommandCall::ended(const Ended& ended, TimePoint now) {
-    if (ended.outcome == Outcome::answered) {
-        std::string what = format_port_answer(ended.evidence);
-        if (ended.evidence.may_be_of_equal)
-            what += (what.empty() ? "" : "; ") + called() +
-                    " was sent more than once: the acknowledgement does not show which of them was carried out";
-        return finish({Ending::done, std::move(what), ended.evidence}, now);
-    }
+    if (ended.evidence.may_be_of_equal)
+        return finish({Ending::unknown,
+                       hex_of(ended.evidence.by_port.value_or(device().address())) + " acknowledged " + called() +
+                           ", which was sent more than once: the acknowledgement does not show which of them was carried out",
+                       ended.evidence},
+                      now);
+    if (ended.outcome == Outcome::answered)
+        return finish({Ending::done, format_port_answer(ended.evidence), ended.evidence}, now);
     if (!ended.evidence.unfit.empty())
         return finish({Ending::unknown,
                        hex_of(device().address()) + " acknowledged " + called() + " with wrong check bytes (" +

@@ -355,10 +355,10 @@ bool Device::may_be_second_answer(const Exchange& exchange, TimePoint now) noexc
 
 // `command` is no longer in the list. If a device acknowledges one of two equal commands, the acknowledgement does not show
 // which.
-bool Device::has_unanswered_equal(const Exchange& command, TimePoint now) const noexcept {
+bool Device::has_unanswered_equal(const Exchange& command) const noexcept {
     const auto is_equal = [&](const Exchange& e) { return e.expects() == command.expects(); };
     const auto may_be_late = [&](const auto& past) {
-        return past && !past->answered && past->expects == command.expects() && past->late_until > now;
+        return past && !past->answered && past->expects == command.expects() && past->late_until > command.first_sent();
     };
     return std::any_of(sent_.begin(), sent_.end(), is_equal) || std::any_of(past_.begin(), past_.end(), may_be_late);
 }
@@ -373,7 +373,7 @@ void Device::end(Exchanges& from, Exchanges::iterator which, Outcome outcome, st
     const bool answers = answered_at_ && exchange.was_sent() && *answered_at_ >= exchange.first_sent();
     Evidence evidence = instead ? *std::move(instead) : evidence_of(exchange);
     if (answer && !may_be_of(answer->source(), address_)) evidence.by_port = answer->source();
-    evidence.may_be_of_equal = answer && is_command(exchange) && has_unanswered_equal(exchange, now);
+    evidence.may_be_of_equal = answer && is_command(exchange) && has_unanswered_equal(exchange);
     const Ended ended{outcome, exchange.tag(), answer, std::move(evidence), answers};
     if (outcome == Outcome::another || outcome == Outcome::unidentified) return exchange.asker()->not_meant(ended, now);
     exchange.asker()->ended(ended, now);
@@ -582,6 +582,15 @@ FrameView Device::send(Exchanges& from, Exchanges::iterator which, TimePoint now
 void Device::wait_to_leave(TimePoint now) noexcept {
     for (Exchange& exchange : sent_)
         if (exchange.is_on_its_way() && exchange.last().number == sends_) exchange.wait_to_leave(now);
+}
+
+void Device::was_not_sent(Checks checks) noexcept {
+    for (std::size_t i = 1; i <= past_.size(); ++i) {
+        auto& one = past_[(next_past_ + past_.size() - i) % past_.size()];
+        if (!one || one->checks != checks) continue;
+        one.reset();
+        return;
+    }
 }
 
 std::optional<TimePoint> Device::due() const noexcept {
