@@ -21,8 +21,7 @@ public:
     using TimePoint = ano::TimePoint;
 
     static constexpr double apart = 10;                                     // degrees: more is a contradiction
-    static constexpr Duration patience = std::chrono::seconds{2};           // a contradiction is reported after this time
-    static constexpr Duration settled = std::chrono::seconds{10};           // it ends when both have agreed for this time
+    static constexpr Duration patience = std::chrono::seconds{2};           // a contradiction begins and ends after this time
     static constexpr Duration together = std::chrono::milliseconds{100};    // both frames arrived within this time
     static constexpr Duration forgotten = std::chrono::seconds{10};
     static constexpr std::size_t max_devices = 4;

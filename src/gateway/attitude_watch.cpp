@@ -45,7 +45,7 @@ void AttitudeWatch::compare(Device& device, TimePoint now) noexcept {
     } else {
         device.apart_since.reset();
         if (!device.agree_since) device.agree_since = now;
-        if (now - *device.agree_since >= settled) device.is_contradictory = false;
+        if (now - *device.agree_since >= patience) device.is_contradictory = false;
     }
 }
 
