@@ -1,6 +1,8 @@
 #include <config/values.hpp>
 #include <link/v7_keys.hpp>
 
+#include <algorithm>
+
 namespace anogate {
 namespace {
 
@@ -16,10 +18,19 @@ std::string fault_of_v7_device(std::uint64_t device) {
 }
 
 std::string fault_of_v7_sources(const std::vector<std::string>& sources) {
-    for (const std::string& source : sources)
-        if (!parse_v7_source(source))
+    std::vector<V7Source> before;
+    for (const std::string& text : sources) {
+        const auto source = parse_v7_source(text);
+        if (!source)
             return "'v7_sources' must be ID:DEVICE such as 0x51:0xDE or 0xF1-0xFA:0xDB, with a device of " +
-                   std::string{devices} + ", not '" + source + "'";
+                   std::string{devices} + ", not '" + text + "'";
+        for (const V7Source& other : before)
+            if (const std::uint8_t first = std::max(source->first, other.first);
+                source->address != other.address && first <= std::min(source->last, other.last))
+                return "'v7_sources' must name one device for an id, not both " + address_text(other.address) + " and " +
+                       address_text(source->address) + " for " + address_text(first);
+        before.push_back(*source);
+    }
     return {};
 }
 

@@ -148,6 +148,9 @@ TEST(LinkText, explains_wrong_keys_of_protocol_v7) {
         "'protocol' v7 needs 'v7_device', the id under which hosts see the device: 0xDC, 0xDD, 0xDB, 0xDE, 0xE6, or 1 to 199");
     EXPECT_EQ(fault("v7_device=0xDD"), "the keys v7_... have no effect without 'protocol' v7");
     EXPECT_EQ(fault("protocol=v7,v7_device=0xFE"), "'v7_device' must be 0xDC, 0xDD, 0xDB, 0xDE, 0xE6, or 1 to 199, not 0xFE");
+    EXPECT_EQ(fault("protocol=v7,v7_device=0xDD,v7_sources=0x51:0xDE+0xF1-0xFA:0xDB+0x50-0x52:0xDB"),
+              "'v7_sources' must name one device for an id, not both 0xDE and 0xDB for 0x51");
+    (void)link_of("serial:/dev/ttyUSB0,protocol=v7,v7_device=0xDD,v7_sources=0x51:0xDE+0x50-0x52:0xDE");
     EXPECT_EQ(
         fault("protocol=v7,v7_device=0xDD,v7_sources=51"),
         "'v7_sources' must be ID:DEVICE such as 0x51:0xDE or 0xF1-0xFA:0xDB, with a device of 0xDC, 0xDD, 0xDB, 0xDE, 0xE6, or 1 "
