@@ -150,7 +150,7 @@ inline constexpr V7CounterRow v7_counters[] = {
     {"v7_down_erase", &V7Counters::down_erase, "to the device: the command that erases its firmware"},
     {"v7_down_not_allowed", &V7Counters::down_not_allowed, "to the device: not in v7_down"},
     {"v7_down_malformed", &V7Counters::down_malformed, "to the device: not the length of its message"},
-    {"v7_down_too_big", &V7Counters::down_too_big, "to the device: more DATA than v7_max"},
+    {"v7_down_too_big", &V7Counters::down_too_big, "to the device: more DATA than v7_max, or in a command more than 11 bytes"},
     {"v7_down_unrepresentable", &V7Counters::down_unrepresentable, "to the device: a value that V7 cannot represent"},
     {"v7_down_unmatched", &V7Counters::down_unmatched, "to the device: acknowledgements and answers that it did not request"},
     {"v7_down_queue_full", &V7Counters::down_queue_full, "to the device: too many requests wait for an answer"},
@@ -203,6 +203,8 @@ public:
     const V7Counters& counters() const noexcept { return counters_; }
     /// All frames that were dropped.
     std::uint64_t dropped() const noexcept { return dropped_; }
+    /// The counter of the last one; nullptr: none was dropped yet.
+    std::uint64_t V7Counters::*last_drop() const noexcept { return last_drop_; }
 
     /// Whether a device without knowledge of the sender would take a frame with this id for a measurement of its own. Such a frame
     /// is never sent to it.
@@ -253,6 +255,7 @@ protected:
     void drop(Count count) noexcept {
         ++(counters_.*count);
         ++dropped_;
+        last_drop_ = count;
     }
     /// The source in V8 of frames with this id: after V7Settings::sources, otherwise `usual`.
     std::uint8_t source_of(std::uint8_t v7_id, std::uint8_t usual) const noexcept;
@@ -270,6 +273,7 @@ protected:
     V7Range range_;
     V7Counters counters_;
     std::uint64_t dropped_ = 0;
+    Count last_drop_ = nullptr;
     V7EchoWatch echoes_;
     ano::TimePoint now_{};    // of the current call
     std::array<std::uint8_t, ano::overhead + 256> v8_{};
@@ -387,7 +391,6 @@ private:
     static bool is_of_waypoints(const Request& request) noexcept { return request.id() == 0x60 || request.id() == 0x61; }
 
     Altitude alt_bar_, alt_fu_;
-    std::vector<float> as_written_;    // by place in the table: the real number that a host wrote last; NaN: none
     std::optional<ano::TimePoint> last_frame_{};
     std::array<Version, 3> versions_{};    // parameters 2, 3 and 4 of versions_of_
     std::uint8_t versions_of_ = 0;

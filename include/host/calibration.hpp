@@ -38,6 +38,11 @@ constexpr Sensor other_than(Sensor sensor) noexcept {
 /// The calibration of `sensor` in parameters that were read; std::nullopt if one is missing.
 std::optional<CalibrationValues> calibration_in(const Parameters& parameters, Sensor sensor);
 
+/// A device that stores a calibration in thousandths, such as one with protocol V7, rounds its values by less than this.
+inline constexpr double max_calibration_rounding = 0.001;
+/// Whether a device that got `wanted` may have stored it as `has`.
+bool may_be_stored_as(const AnyValue& wanted, const AnyValue& has) noexcept;
+
 /// Writes all calibration values, sends the action that applies them, and reads them back.
 class CalibrationWrite final : public Task {
 public:
@@ -47,6 +52,8 @@ public:
     Progress progress() const noexcept override { return apply_.progress(); }
     void cancel(TimePoint now) override;
     void ended(const Ended&, TimePoint) override {}    // only its sub-tasks send requests
+    /// If it is done: as the device stored them.
+    const CalibrationValues& values() const noexcept { return values_; }
 
 private:
     void applied(TimePoint now);

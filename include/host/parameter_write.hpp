@@ -19,6 +19,7 @@ struct WriteLimits {
     bool longer = false;                       // a text may be longer than the one that it replaces
     std::optional<std::size_t> max_bytes{};    // for any text: vendor_max_text if the device uses the vendor's parser
     bool beyond_range = false;                 // a number may lie outside the range that the device states for it
+    double rounding = 0;                       // a real number that the device stored within this counts as written
 };
 
 /// Why a text of `size` bytes may not replace one of `had` bytes, as a clause that follows the text; empty: it may.
@@ -61,7 +62,7 @@ public:
     std::optional<AnyValue> before() const { return before_ ? decoded(*before_) : std::nullopt; }
     std::optional<AnyValue> stored() const { return stored_ ? decoded(*stored_) : std::nullopt; }
     /// The device stored another value than the one written: this counts as success.
-    bool is_clamped() const { return end() && end()->ending == Ending::done && !same(*stored_, wire_); }
+    bool is_clamped() const { return end() && end()->ending == Ending::done && !is_as_written(); }
     /// Whether the write was sent: the device may have stored it.
     bool was_sent() const noexcept { return was_sent_; }
     /// If was_sent() and this is false, only reading back shows whether the device stored the value.
@@ -89,6 +90,7 @@ private:
     void finish_not_returned(const Ended& ended, TimePoint now);
     void compare(TimePoint now);
     bool same(const Wire& a, const Wire& b) const;
+    bool is_as_written() const;
     std::optional<AnyValue> decoded(const Wire& bytes) const;
     void refuse(const std::string& why, TimePoint now);
 

@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 namespace anogate {
@@ -102,14 +101,12 @@ std::optional<V7LinkTranslation::Origin> V7LinkTranslation::ExpectedAcks::take(s
 
 // --- A link with a device
 
-V7Translation::V7Translation(V7Settings settings)
-    : V7LinkTranslation{std::move(settings)}, as_written_(settings_.parameters.size(), std::numeric_limits<float>::quiet_NaN()) {
+V7Translation::V7Translation(V7Settings settings) : V7LinkTranslation{std::move(settings)} {
     if (settings_.name.empty()) settings_.name = "V7 " + std::string{ano::address::who(settings_.address)};
 }
 
 void V7Translation::reset() noexcept {
     alt_bar_ = alt_fu_ = {};
-    std::fill(as_written_.begin(), as_written_.end(), std::numeric_limits<float>::quiet_NaN());
     last_frame_.reset();
     versions_ = {};
     to_host_ = {};
@@ -281,9 +278,7 @@ void V7Translation::send_parameter(const Origin& to, std::uint16_t index, std::i
     ano::store(data + 2, value);
     const auto rows = parameters_of(to.asked);
     if (index < rows.size() && rows[index].as_f32) {
-        const double scale = rows[index].scale, written = static_cast<double>(as_written_[index]);
-        const bool is_as_written = std::round(written * scale) == value;    // false for NaN
-        ano::store(data + 2, is_as_written ? as_written_[index] : static_cast<float>(value / scale));
+        ano::store(data + 2, static_cast<float>(value / static_cast<double>(rows[index].scale)));
     }
     send_up(to.asked, to.host, 0xE1, data, output);
 }

@@ -148,7 +148,7 @@ void V7Translation::command_down(const Origin& origin, Data data, ano::TimePoint
     if (data.size() < 3) return drop(&V7Counters::down_malformed);
     if (erases_firmware(data)) return drop(&V7Counters::down_erase);
     if (!reaches_only(origin.asked, 0xE0)) return drop(&V7Counters::down_other_device);
-    if (data.size() > v7_command_size) return drop(&V7Counters::down_too_big);
+    if (data.size() > v7_command_size || v7_command_size > settings_.max_data) return drop(&V7Counters::down_too_big);
     std::array<std::uint8_t, v7_command_size> command{};
     std::copy(data.begin(), data.end(), command.begin());
     const std::size_t size = v7::encode(v7_, receiver(origin.asked, 0xE0), 0xE0, command);
@@ -214,7 +214,6 @@ void V7Translation::parameter_value_down(const Origin& origin, Data data, ano::T
         const double wire = std::round(static_cast<double>(ano::load<float>(data.data() + 2)) * rows[index].scale);
         if (!(wire >= INT32_MIN && wire <= INT32_MAX)) return drop(&V7Counters::down_unrepresentable);
         value = static_cast<std::int32_t>(wire);
-        as_written_[index] = ano::load<float>(data.data() + 2);
     }
     std::uint8_t bytes[6];
     ano::store(bytes, *number);

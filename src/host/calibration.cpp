@@ -98,10 +98,18 @@ CalibrationValues neutral_calibration(Sensor sensor) {
     return values;
 }
 
+bool may_be_stored_as(const AnyValue& wanted, const AnyValue& has) noexcept {
+    if (same_bytes(wanted, has, Type::f32)) return true;
+    const auto* const one = std::get_if<double>(&wanted);
+    const auto* const other = std::get_if<double>(&has);
+    return one != nullptr && other != nullptr && std::abs(*one - *other) <= max_calibration_rounding;
+}
+
 CalibrationWrite::CalibrationWrite(Device& device, DescriptionCache* cache, Sensor sensor, CalibrationValues values)
     : Task{device},
       values_{std::move(values)},
-      apply_{device, cache, values_, {.also_the_same = true, .text = {.beyond_range = true}}},
+      apply_{
+          device, cache, values_, {.also_the_same = true, .text = {.beyond_range = true, .rounding = max_calibration_rounding}}},
       use_{device, use_of(sensor)},
       again_{device, cache} {}
 
@@ -116,8 +124,11 @@ void CalibrationWrite::start(TimePoint now) {
 
 void CalibrationWrite::applied(TimePoint now) {
     if (apply_.end()->ending != Ending::done) return finish_as(apply_, now);
-    for (const auto& row : apply_.rows())
+    for (std::size_t i = 0; i < values_.size(); ++i) {
+        const ParameterApply::Row& row = apply_.rows()[i];
         if (row.state != ParameterApply::State::written) return finish({Ending::refused, row.what, {}}, now);
+        if (row.stored) values_[i].second = *row.stored;
+    }
     use_.start(now);
 }
 
@@ -490,6 +501,7 @@ void Calibration::written(TimePoint now) {
     if (end() || step_ != Step::write) return;
     if (write_->is_of_another()) return finish_of_another(*write_, now);
     if (write_->end()->ending != Ending::done) return restore(*write_->end(), now);
+    new_ = write_->values();
     is_proven_ = false;
     settled_at_ = now + most_late;
     enter(Step::verify, now);

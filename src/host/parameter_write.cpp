@@ -4,6 +4,7 @@
 #include <host/parameter_write.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <string_view>
 #include <type_traits>
 #include <utility>
@@ -158,7 +159,7 @@ void ParameterWrite::read_along(const Ended& ended, TimePoint now) {
 
 void ParameterWrite::both_ended(TimePoint now) {
     if (!write_ended_ || !early_ended_) return;
-    if (stored_ && same(*stored_, wire_)) return compare(now);
+    if (stored_ && is_as_written()) return compare(now);
     if (stored_ && !was_repeated_ && !silence_) return ask_value(read_again, now);
     stored_.reset();
     ask_value(read_back, now);
@@ -180,7 +181,7 @@ void ParameterWrite::took(const Ended& ended, TimePoint now) {
     auto& kept = ended.tag == read_before ? before_ : stored_;
     kept.emplace(value.begin(), value.end());
     if (ended.tag == read_before) return ask_value(write_value, now);
-    if (ended.tag == read_back && !same(*stored_, wire_)) {
+    if (ended.tag == read_back && !is_as_written()) {
         stored_.reset();    // it may be an answer from before the write
         return ask_value(read_again, now);
     }
@@ -207,7 +208,7 @@ void ParameterWrite::write(TimePoint now) {
 }
 
 void ParameterWrite::compare(TimePoint now) {
-    if (same(*stored_, wire_))
+    if (is_as_written())
         return finish(
             {Ending::done,
              silence_ ? info_.name + " is written, but was " + fault_of(*silence_) : format_port_answer(acknowledgement_),
@@ -239,6 +240,18 @@ bool ParameterWrite::same(const Wire& a, const Wire& b) const {
     if (*info_.type == Type::text) return decoded(a) == decoded(b);
     const auto n = static_cast<std::ptrdiff_t>(width(*info_.type));
     return std::equal(a.begin(), a.begin() + n, b.begin(), b.begin() + n);
+}
+
+// The device stored the value, as exactly as required.
+bool ParameterWrite::is_as_written() const {
+    if (same(*stored_, wire_)) return true;
+    const auto number = [this](const Wire& bytes) {
+        const auto value = decoded(bytes);
+        const auto* real = value ? std::get_if<double>(&*value) : nullptr;
+        return real != nullptr ? std::optional{*real} : std::nullopt;
+    };
+    const auto has = number(*stored_), wanted = number(wire_);
+    return has && wanted && std::abs(*has - *wanted) <= limits_.rounding;
 }
 
 std::optional<AnyValue> ParameterWrite::decoded(const Wire& bytes) const { return value_of(bytes, info_); }

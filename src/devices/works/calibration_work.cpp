@@ -155,7 +155,7 @@ Unit unit_of_note(const CalibrationValues& has, const CalibrationValues& has_of_
     bool is_distinct = false;
     for (std::size_t i = 0; i < has.size(); ++i) {
         const auto& value = has[i].second;
-        const auto is_it = [&](const auto& one) { return ano::host::same_bytes(value, one[i].second, ano::Type::f32); };
+        const auto is_it = [&](const auto& one) { return ano::host::may_be_stored_as(one[i].second, value); };
         if (std::none_of(left.begin(), left.end(), is_it)) return Unit::other;
         is_distinct = is_distinct || (!is_it(left[0]) && is_distinct_from(value, neutral[i].second));
     }

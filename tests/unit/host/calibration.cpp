@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace ano::host::calibration_tests {
 namespace {
 
@@ -414,6 +416,22 @@ TEST_F(Calibrates, and_restores_the_old_values_of_a_device_that_limits_the_new_o
     EXPECT_EQ(task.end()->ending, Ending::refused);
     EXPECT_EQ(task.end()->what, "CAL_AOFF_X is 20: the device limited it; the old values are restored");
     EXPECT_EQ(stored(), old);
+}
+
+// As one with protocol V7 does. Some of the new values then equal the cleared ones.
+TEST_F(Calibrates, a_device_that_stores_thousandths) {
+    make(Sensor::accelerometer);
+    for (auto& parameter : fake.parameters)
+        if (parameter.type == 8)
+            parameter.store = [](const Bytes& value) { return f32(std::round(1000.0 * load<float>(value.data())) / 1000); };
+    Calibration task{device, Sensor::accelerometer, &cache};
+    begin(task);
+    turn(task);
+    ASSERT_TRUE(task.end());
+    EXPECT_EQ(task.end()->ending, Ending::done) << task.end()->what;
+    const auto has = stored();
+    for (std::size_t i = 0; i < has.size(); ++i) EXPECT_EQ(f32(std::get<double>(task.new_values()[i].second)), has[i]) << i;
+    EXPECT_NE(has, old);
 }
 
 TEST_F(Calibrates, and_restores_the_old_values_of_a_device_that_does_not_store_the_new_ones) {
