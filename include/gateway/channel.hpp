@@ -13,6 +13,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 
 namespace anogate {
@@ -22,6 +23,7 @@ struct V7Notes {
     static constexpr ano::Duration reported_for = std::chrono::seconds{60};
     using When = std::optional<ano::TimePoint>;
     When echo{}, loop{}, command{};    // V7Counters::up_echo, up_loop, up_command
+    std::string_view refusal{};        // why the frame that is being dropped can't be translated; empty: no V7 link drops it
 
     static bool is_recent(When when, ano::TimePoint now) noexcept { return when && now - *when < reported_for; }
 };

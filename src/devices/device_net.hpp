@@ -47,7 +47,7 @@ struct DeviceLimits {
 /// Why a frame is not sent, as a clause for the user; empty: it is sent, or may be sent at the next attempt.
 struct Unsent {
     std::string why{};
-    bool is_down = false;    // its link is down: a later try may succeed
+    bool is_down = false;    // its link is down or too slow: a later try may succeed
 };
 
 /// Called by DeviceService from its own functions. No function may call the service back directly, except that send() may cause a

@@ -516,11 +516,13 @@ void DeviceService::send_all(TimePoint now) {
             if (!frame) break;
             const std::uint8_t id = frame->id();
             const bool acts = ano::intent_of(*frame) == ano::Intent::acts;
+            const ano::Checks checks = frame->checks();
             if (ano::address::is_port_id(address)) sent_by_others(*frame, now);    // for any device behind it
             const Unsent unsent = net_.send(*frame);
             if (unsent.is_down) fail_calls(address, unsent.why, now);
             else if (!unsent.why.empty()) fail(address, id, acts, unsent.why, now);
             else if (acts) acted(address, id);
+            if (!unsent.why.empty()) known_[address]->device->was_not_sent(checks);
         }
     }
 }
@@ -534,7 +536,7 @@ bool DeviceService::is_queued(std::uint8_t address, TimePoint now) {
 void DeviceService::acted(std::uint8_t address, std::uint8_t id) {
     known_[address]->acted_before = next_id_;
     for (const auto& job : jobs_)
-        if (!job->is_over() && job->order.address == address && acts_by(*job, id)) job->has_acted = true;
+        if (!job->is_over() && job->order.address == address && acts_by(*job, id)) ++job->acted;
 }
 
 bool DeviceService::remember(std::string name, std::string text) {
@@ -708,8 +710,19 @@ void DeviceService::fail(std::uint8_t address, std::uint8_t id, bool acts, const
 void DeviceService::fail_calls(std::uint8_t address, const std::string& why, TimePoint now) {
     const auto all = jobs_;
     for (const auto& job : all)
-        if (!job->is_over() && job->order.address == address && job->order.kind == JobKind::command && !job->has_acted)
+        if (!job->is_over() && job->order.address == address && job->order.kind == JobKind::command && job->acted == 0)
             end_refused(job, 503, why, now);
+}
+
+void DeviceService::not_sent(ano::FrameView frame, const Unsent& unsent, TimePoint now) {
+    const std::uint8_t address = frame.destination();
+    const std::uint8_t id = frame.id();
+    const bool acts = ano::intent_of(frame) == ano::Intent::acts;
+    for (const auto& job : jobs_)
+        if (acts && !job->is_over() && job->order.address == address && acts_by(*job, id) && job->acted > 0) --job->acted;
+    if (!unsent.is_down) fail(address, id, acts, unsent.why, now);
+    else if (id == ano::id_of<"command">) fail_calls(address, unsent.why, now);
+    if (known_[address] && known_[address]->device) known_[address]->device->was_not_sent(frame.checks());
 }
 
 void DeviceService::end_refused(const std::shared_ptr<Job>& job, unsigned status, const std::string& why, TimePoint now) {
@@ -723,7 +736,7 @@ void DeviceService::end_refused(const std::shared_ptr<Job>& job, unsigned status
 void DeviceService::refuse(std::uint8_t address, const std::string& why, TimePoint now) {
     const auto job = holder(address);
     if (!job || job->order.kind != JobKind::action) return;
-    job->has_acted = false;
+    job->acted = 0;
     fail(address, 0, true, why, now);
     net_.wake(now);
 }
@@ -734,7 +747,7 @@ void DeviceService::finish(Job& job, WorkEnd end, TimePoint now) {
         job.step = job.work->step();
     }
     if (!job.refused.empty() && end.status >= 300) {
-        end = {job.refused_status, std::move(end.result), job.refused + (job.has_acted ? "; " + end.error : std::string{}),
+        end = {job.refused_status, std::move(end.result), job.refused + (job.acted > 0 ? "; " + end.error : std::string{}),
                "refused",          end.evidence,          false};
     }
     job.state = end.status < 300 ? JobState::done : end.is_cancelled ? JobState::cancelled : JobState::failed;

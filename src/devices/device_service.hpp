@@ -94,6 +94,8 @@ public:
     void record_elsewhere(ano::FrameView frame, const std::string& place);
     /// The device did not carry out the action of a job, and reported the reason outside the protocol.
     void refuse(std::uint8_t address, const std::string& why, ano::TimePoint now);
+    /// `frame`, which DeviceNet::send() accepted, was dropped before it was sent.
+    void not_sent(ano::FrameView frame, const Unsent& unsent, ano::TimePoint now);
     /// The link to the device at `address` was down, or is another one now: the data read before may belong to another device.
     void link_was_down(std::uint8_t address);
     /// To be called for each frame that this host sends without the service, so that its answers are expected.

@@ -66,7 +66,7 @@ struct Job {
     mutable std::weak_ptr<const std::string> line{};    // of job_line(), shared while in use
     std::string message;
     std::optional<ano::TimePoint> heard_by{};    // the device must be heard by then; std::nullopt: it was
-    bool has_acted = false;                      // a frame that changes the device was sent
+    unsigned acted = 0;                          // frames that change the device that were sent for it
     bool is_cancelled = false;                   // cancelled, but ending may take a while
     std::string refused;                         // why its frames can't be sent: the job is ending
     unsigned refused_status = 403;               // HTTP status for `refused`

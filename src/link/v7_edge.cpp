@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <iterator>
 #include <random>
 #include <utility>
 
@@ -140,9 +141,21 @@ void V7Edge::take(Outbox& outbox, ano::FrameView frame, TimePoint now) {
     translation_->down(frame, now, *this);
     channel_->raw = without_probe(Bytes{unsent_}.subspan(unsent));
     if (translation_->dropped() == before) outbox.sent_frame();
-    else outbox.drop_frame(&SendCounters::denied_out);
+    else drop(outbox);
     channel_->raw = {};
     set_alarm();
+}
+
+// A request that finds no place may be sent later; all other causes are for good.
+void V7Edge::drop(Outbox& outbox) {
+    const auto cause = translation_->last_drop();
+    const auto is_it = [cause](const V7CounterRow& row) { return row.value == cause; };
+    if (cause == &V7Counters::down_queue_full) return outbox.drop_frame(&SendCounters::queue_full);
+    std::string_view why = std::find_if(std::begin(v7_counters), std::end(v7_counters), is_it)->help;
+    if (const std::size_t direction = why.find(": "); direction != why.npos) why.remove_prefix(direction + 2);
+    channel_->v7.refusal = why;
+    outbox.drop_frame(&SendCounters::denied_out);
+    channel_->v7.refusal = {};
 }
 
 std::span<const std::uint8_t> V7Edge::first_unsent() const noexcept {

@@ -44,8 +44,8 @@ public:
     /// Nothing happens until end_of_input() or begin().
     void pause() noexcept { alarm_.cancel(); }
 
-    /// Translates the first frame of `outbox`, which gather() returned, and removes it: as sent, or as denied_out if the translation
-    /// dropped it. Answers of the gateway are passed on later: a link that is flushed must not receive.
+    /// Translates the first frame of `outbox`, which gather() returned, and removes it: as sent, or as dropped, with
+    /// V7Notes::refusal. Answers of the gateway are passed on later: a link that is flushed must not receive.
     void take(Outbox& outbox, ano::FrameView frame, TimePoint now);
     /// Whole V7 frames, to be written before the next frame is taken.
     std::span<const std::uint8_t> unsent() const noexcept { return unsent_; }
@@ -61,6 +61,7 @@ private:
     void translate_received();
     void note_drops(TimePoint now);
     void pass_on();
+    void drop(Outbox& outbox);
     void set_alarm();
     void ring();
     void reset() noexcept;

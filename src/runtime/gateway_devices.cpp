@@ -75,10 +75,15 @@ bool is_for_good(SendCause cause) { return cause == &SendCounters::denied_out ||
 
 GatewayDevices::GatewayDevices(Gateway& gateway)
     : gateway_{gateway},
-      alarm_{gateway.alarms(), [this] { service_.run(gateway_.now()); }},
+      alarm_{gateway.alarms(),
+             [this] {
+                 report_lost();
+                 service_.run(gateway_.now());
+             }},
       background_task_{gateway.io()},
       service_{*this, gateway.settings().control.host},
       always_{*this} {
+    lost_.reserve(max_lost);
     gateway_.add_observer(always_, {.arrivals = false, .fates = true, .departures = false, .always = true});
     gateway_.on_scan([this](const std::function<void(const std::string&)>& on_found) { return scan(on_found); });
     gateway_.on_loss([this](ChannelId lost) {
@@ -265,7 +270,9 @@ void GatewayDevices::start_next_task() {
 ano::TimePoint GatewayDevices::now() { return gateway_.now(); }
 
 void GatewayDevices::listen(bool wants) {
-    if (wants) gateway_.add_observer(*this, {.arrivals = false, .fates = true, .departures = false});
+    waiting_.clear();
+    lost_.clear();
+    if (wants) gateway_.add_observer(*this, {.arrivals = false, .fates = true, .departures = true});
     else gateway_.remove_observer(*this);
     gateway_.on_answer_to_ourselves(wants ? [this](ano::FrameView frame) { service_.receive(frame, gateway_.now()); }
                                           : std::function<void(ano::FrameView)>{});
@@ -290,13 +297,43 @@ Unsent GatewayDevices::send(ano::FrameView frame) {
     }
     was_accepted_ = false;
     left_by_[frame.destination()].clear();
-    sends_to_ = frame.destination();
+    sends_frame_.assign(frame.bytes().begin(), frame.bytes().end());
     refusal_ = {};
+    ++sends_number_;
     sends_ = true;
     link->send(frame);
     sends_ = false;
     gateway_.flush();
-    return was_accepted_ ? Unsent{} : std::exchange(refusal_, {});
+    return was_accepted_ ? lost_at_once() : std::exchange(refusal_, {});
+}
+
+Unsent GatewayDevices::lost_at_once() {
+    const auto lost = std::ranges::find(lost_, sends_number_, &Lost::number);
+    if (lost == lost_.end()) return {};
+    const Unsent why = unsent(*lost);
+    const bool ends_it = !why.is_down ||
+                         ano::FrameView{lost->frame}.id() == ano::id_of<"command">;    // anything else is sent again
+    lost_.erase(lost);
+    return ends_it ? why : Unsent{};
+}
+
+void GatewayDevices::report_lost() {
+    for (; !lost_.empty(); lost_.erase(lost_.begin())) {
+        const Lost lost = lost_.front();
+        service_.not_sent(ano::FrameView{lost.frame}, unsent(lost), gateway_.now());
+    }
+}
+
+Unsent GatewayDevices::unsent(const Lost& lost) const {
+    std::string link = "a link that was removed";
+    for (const LinkState& state : gateway_.links())
+        if (state.link->id() == lost.link) link = "the link '" + state.link->name() + "'";
+    if (!lost.refusal.empty()) return {"not sent: refused by the rules of V7 of " + link + ": " + std::string{lost.refusal}};
+    if (lost.cause == &SendCounters::stale)
+        return {"not sent: it waited too long in the queue of " + link + ", which is too slow", true};
+    if (lost.cause == &SendCounters::queue_full) return {"not sent: the queue of " + link + " is full", true};
+    if (lost.cause == &SendCounters::link_down) return {"not sent: " + link + " is down", true};
+    return {"not sent: " + link + " could not send it", !is_for_good(lost.cause)};
 }
 
 ano::Flush GatewayDevices::flush_parser(ano::FrameView next) {
@@ -340,18 +377,44 @@ bool GatewayDevices::came_from(std::uint8_t address) {
     return gateway_.forwarder().channels().contains(heard_from_) && !gateway_.forwarder().router().claims(address, heard_from_);
 }
 
-// Uses `sends_to_`, because the destination of the frame may already be replaced by an alias.
+// Uses `sends_frame_`, because the destination of the frame may already be replaced by an alias.
 void GatewayDevices::offered(const Channel& to, ano::FrameView frame, ChannelId from) {
     if (from != ourselves) return;
     if (!sends_) return service_.sent_by_others(frame, gateway_.time());    // a hello, or a frame of POST /send
     was_accepted_ = true;
-    left_by_[sends_to_].insert(to.id);
+    left_by_[ano::FrameView{sends_frame_}.destination()].insert(to.id);
+    if (waiting_.size() == max_waiting) waiting_.erase(waiting_.begin());
+    waiting_.push_back({sends_number_, sends_frame_, to.id, {frame.bytes().begin(), frame.bytes().end()}});
+}
+
+std::vector<GatewayDevices::Waiting>::iterator GatewayDevices::find_waiting(const Channel& to, ano::FrameView frame) noexcept {
+    return std::ranges::find_if(
+        waiting_, [&](const Waiting& one) { return one.channel == to.id && std::ranges::equal(one.copy, frame.bytes()); });
+}
+
+// One copy that is sent is enough.
+void GatewayDevices::left(const Channel& to, ano::FrameView frame) noexcept {
+    const auto sent = find_waiting(to, frame);
+    if (sent == waiting_.end()) return;
+    std::erase_if(waiting_, [number = sent->number](const Waiting& one) { return one.number == number; });
+}
+
+// Called by an outbox: the service is told later.
+void GatewayDevices::discarded(const Channel& to, ano::FrameView frame, SendCause cause) noexcept {
+    const auto found = find_waiting(to, frame);
+    if (found == waiting_.end()) return;
+    Lost lost{found->number, std::move(found->frame), to.link, cause, to.v7.refusal};
+    waiting_.erase(found);
+    const bool has_copies = std::ranges::find(waiting_, lost.number, &Waiting::number) != waiting_.end();
+    if (has_copies || lost_.size() == max_lost) return;
+    lost_.push_back(std::move(lost));
+    wake(gateway_.now());
 }
 
 void GatewayDevices::dropped(const Channel& from, ano::FrameView frame, ReceiveCause cause) {
     if (!sends_ || from.id != ourselves) return;
     if (cause == &ReceiveCounters::no_route && ano::intent_of(frame) == ano::Intent::acts)
-        refusal_.why = unknown_device(frame.destination()).text;
+        refusal_.why = not_routed(frame.destination()).text;
     if (!is_for_good(cause)) return;
     refusal_.why = cause == &ReceiveCounters::inhibited ? "blocked by a GPIO switch that inhibits the link 'control'"
                                                         : "refused by the rules 'control.receive'";

@@ -13,6 +13,7 @@
 #include <deque>
 #include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace anogate {
@@ -60,6 +61,30 @@ private:
     void offered(const Channel& to, ano::FrameView frame, ChannelId from) override;
     void dropped(const Channel& from, ano::FrameView frame, ReceiveCause cause) override;
     void refused(LinkId to, ano::FrameView frame, SendCause cause) override;
+    void left(const Channel& to, ano::FrameView frame) noexcept override;
+    void discarded(const Channel& to, ano::FrameView frame, SendCause cause) noexcept override;
+
+    /// A copy of a frame of send() that waits to be sent on one channel.
+    struct Waiting {
+        std::uint64_t number;    // of the frame
+        std::vector<std::uint8_t> frame;
+        ChannelId channel;
+        std::vector<std::uint8_t> copy;    // with the address of an alias
+    };
+    /// A frame of send() of which all copies were dropped.
+    struct Lost {
+        std::uint64_t number;
+        std::vector<std::uint8_t> frame;
+        LinkId link;
+        SendCause cause;
+        std::string_view refusal;    // V7Notes::refusal
+    };
+    static constexpr std::size_t max_waiting = 64, max_lost = 16;
+    std::vector<Waiting>::iterator find_waiting(const Channel& to, ano::FrameView frame) noexcept;
+    Unsent unsent(const Lost& lost) const;
+    /// Of the frame that was just passed to the links.
+    Unsent lost_at_once();
+    void report_lost();
 
     /// Stores the log lines of devices and checks values that have limits, also while the service does not listen.
     struct AlwaysListener final : Forwarder::Observer {
@@ -101,10 +126,13 @@ private:
     LinkId heard_by_{};                   // link of the frame that the service is processing
     ChannelId heard_from_ = ourselves;    // its channel
     bool was_accepted_ = false;
-    std::uint8_t sends_to_ = 0;
+    std::vector<std::uint8_t> sends_frame_;
     std::array<ChannelSet, 256> left_by_{};    // by destination: the channels of the last frame to it
     std::array<DrainWatch, max_channels> drains_{};
     Unsent refusal_;
+    std::uint64_t sends_number_ = 0;
+    std::vector<Waiting> waiting_;    // oldest first
+    std::vector<Lost> lost_;
     DeviceService service_;    // its destructor calls this object, so only members that need it follow
     AlwaysListener always_;
     std::array<Place, 256> places_;    // by device: where it was last identified; no link: nowhere

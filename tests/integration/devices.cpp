@@ -4,12 +4,14 @@
 #include <support/fake_loader.hpp>
 #include <support/http.hpp>
 #include <support/process.hpp>
+#include <support/pty_device.hpp>
 #include <support/sanitized.hpp>
 #include <support/temp_dir.hpp>
 #include <support/udp_peer.hpp>
 #include <sys/unique_fd.hpp>
 
 #include <ano/frame.hpp>
+#include <ano/hex.hpp>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -40,6 +42,27 @@ struct Told {
     unsigned status = 0;
     json body;
 };
+
+// 30 bytes/s: the command waits behind other frames.
+TEST(DevicesOfASlowLink, a_command_that_waited_too_long_is_reported_as_not_sent) {
+    const TempDir dir;
+    const std::string socket = dir / "control.sock";
+    PtyDevice device{dir / "fc"};
+    Daemon daemon{ANOGATED, socket, {"serial:" + device.path() + ",name=fc,rate=30,age.rest=200ms"}};
+    ASSERT_TRUE(daemon.until([&](const json& status) {
+        device.write(frame(0xDC, 0xFF, 0x06, {0, 0, 0, 0, 0}));
+        return !status.at("routes").empty();
+    }));
+    const Bytes text(40, 'x');
+    for (int i = 0; i < 2; ++i) {
+        const Bytes log = frame(0xFE, 0xDC, 0xA0, text);
+        asked(socket, "POST", "/send", R"({"hex": ")" + ano::hex(log) + R"("})");
+    }
+    const Answer answer = asked(socket, "POST", "/devices/0xDC/commands/by-cid", R"({"cid": [16, 0, 2]})");
+    EXPECT_EQ(answer.status, 503u) << answer.body;
+    EXPECT_EQ(json::parse(answer.body).at("error"),
+              "not sent: it waited too long in the queue of the link 'fc', which is too slow");
+}
 
 class Devices : public testing::Test {
 protected:

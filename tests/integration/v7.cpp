@@ -574,6 +574,31 @@ TEST(V7Links, anoctl_reads_and_writes_parameters_by_number) {
     EXPECT_EQ(ran("list").first, 0);
 }
 
+TEST(V7Links, anoctl_reports_at_once_what_the_rules_of_v7_refuse) {
+    const TempDir dir;
+    const std::string socket = dir / "control.sock", table = dir.write("table.csv", "152, ACC, 1000, f32\n");
+    PtyDevice device{dir / "fc"};
+    Daemon daemon{ANOGATED, socket, {"serial:" + device.path() + ",name=fc,protocol=v7,v7_device=0xDD,v7_params=" + table}};
+    ASSERT_TRUE(daemon.until([&](const nlohmann::json&) {
+        device.write(v7_frame(0xAF, 0x06, {0, 0, 0, 0, 0}));
+        return daemon.count("fc", "frames_in") > 0;
+    }));
+    const auto refused = [&](const std::string& words) {
+        Shell shell{ANOCTL " " + words + " --device 0xDD --yes --control " + socket + " 2>&1"};
+        EXPECT_EQ(shell.wait(), 1) << words;
+        return shell.output();
+    };
+    const std::string rules = "anoctl: not sent: refused by the rules of V7 of the link 'fc': ";
+    EXPECT_EQ(refused("command call --cid 1,32,170"), rules + "the command that erases its firmware\n");
+    EXPECT_EQ(refused("command call --cid 16,0,5 u64:1 u8:1"),
+              rules + "more DATA than v7_max, or in a command more than 11 bytes\n");
+    const Bytes command{ano::v7::head, 0xFF, 0xE0}, &heard = device.heard();
+    EXPECT_EQ(std::search(heard.begin(), heard.end(), command.begin(), command.end()), heard.end());
+    Shell send{ANOCTL " send command cid0=1 cid1=32 cid2=170 --to 0xDD --control " + socket + " 2>&1"};
+    EXPECT_EQ(send.wait(), 1);
+    EXPECT_EQ(send.output(), "anoctl: not sent: fc: refused by the rules of V7: the command that erases its firmware\n");
+}
+
 /// Peers of a listening link, and a host.
 struct Peers {
     explicit Peers(const std::string& keys)

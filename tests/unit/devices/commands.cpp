@@ -186,6 +186,31 @@ TEST_F(KnownCommands, are_not_sent_while_the_link_is_down_or_later) {
     EXPECT_EQ(calls(), 0u);
 }
 
+// It waited in the queue of a link that is too slow.
+TEST_F(KnownCommands, dropped_before_they_were_sent_are_reported_as_not_sent) {
+    stream(1s);
+    fake.deaf = true;
+    const auto land = net.asked("POST", "/devices/0xDC/commands/LAND");
+    ASSERT_TRUE(net.until([&] { return !net.sent.empty() && net.sent.back()[3] == 0xC0; }, 1s));
+    ASSERT_FALSE(land->has_value());
+    net.service.not_sent(ano::FrameView{net.sent.back()}, {"not sent: it waited too long", true}, net.time);
+    ASSERT_TRUE(net.until([&] { return land->has_value(); }, 100ms));
+    EXPECT_EQ((*land)->status, 503u);
+    EXPECT_EQ((*land)->json.at("error"), "not sent: it waited too long");
+    fake.deaf = false;
+    EXPECT_EQ(net.ask("POST", "/devices/0xDC/commands/LAND").status, 200u) << "the acknowledgement is of this one";
+    fake.deaf = true;
+
+    net.sent.clear();
+    const auto repeated = net.asked("POST", "/devices/0xDC/commands/LAND", R"({"repeat": true})");
+    const auto sent = [&] {
+        return std::count_if(net.sent.begin(), net.sent.end(), [](const Bytes& f) { return f[3] == 0xC0; });
+    };
+    ASSERT_TRUE(net.until([&] { return sent() == 2; }, 10s));
+    net.service.not_sent(ano::FrameView{net.sent.back()}, {"not sent: it waited too long", true}, net.time);
+    EXPECT_FALSE(net.until([&] { return repeated->has_value(); }, 100ms)) << "the first one was sent";
+}
+
 // The questions for the call are sent while the link is down; `up` later the device that is there then is heard.
 TEST_F(KnownCommands, of_a_device_whose_link_comes_up_meanwhile_match_the_device_that_is_then_present) {
     for (Duration up{}; up < 700ms; up += 50ms) {
@@ -693,6 +718,23 @@ TEST_F(CommandRoutes, without_an_answer_are_sent_once_and_their_outcome_is_not_k
     EXPECT_EQ(calls(), 1u);
     EXPECT_EQ(net.ask("POST", "/devices/0xDC/commands/LAND", R"({"repeat": true})").json.at("what"), "timeout");
     EXPECT_EQ(calls(), 6u);
+}
+
+TEST_F(CommandRoutes, an_acknowledgement_that_may_be_of_an_earlier_call_is_no_success) {
+    fake.instead = [](ano::FrameView f) -> std::optional<std::vector<Bytes>> {
+        return f.id() == 0xC0 ? std::optional{std::vector<Bytes>{}} : std::nullopt;
+    };
+    EXPECT_EQ(net.ask("POST", "/devices/0xDC/commands/LAND").status, 504u);
+    fake.instead = nullptr;
+    const auto [status, error] = net.ask("POST", "/devices/0xDC/commands/LAND");
+    EXPECT_EQ(status, 504u) << error;
+    EXPECT_EQ(error.at("what"), "unknown");
+    EXPECT_EQ(error.at("error"),
+              "0xDC acknowledged LAND, which was sent more than once: the acknowledgement does not show which of "
+              "them was carried out");
+    EXPECT_EQ(error.at("evidence").at("ambiguous"), true);
+    net.pass(4s);
+    EXPECT_EQ(net.ask("POST", "/devices/0xDC/commands/LAND").status, 200u) << "no other one waits";
 }
 
 // The user presses LAND while another request to the device is not answered.
