@@ -94,8 +94,9 @@ struct LinkFigures {
     std::uint8_t hidden = 0;    // address of a device here that is also the port id of another link; 0: none
 };
 
-/// Frames that act on the device `address` are not sent, as its link is not known.
-Hint unknown_device(std::uint8_t address);
+/// Frames that act on the device `address` are not sent: its link is not known or, for all devices (0xFF), no link accepts
+/// broadcasts.
+Hint not_routed(std::uint8_t address);
 /// Adds the last bytes skipped by `parser`, if there are any and no other parser added some before.
 void add_skipped(LinkFigures& link, const ano::FrameParser& parser);
 

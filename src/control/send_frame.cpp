@@ -64,8 +64,8 @@ public:
         FrameBytes bytes;
         bool has_left = false;
         std::string_view cause{};    // why it was dropped
-        std::string_view why{};
-        std::uint8_t unknown_device = 0;    // the frame was not sent, because its device is unknown; 0: no
+        std::string why{};
+        std::uint8_t not_routed = 0;    // the frame acts on this address, to which no link leads; 0: no
     };
 
     /// All copies are queued; later events refer to them.
@@ -80,14 +80,14 @@ private:
     void dropped(const Channel& from, ano::FrameView frame, ReceiveCause cause) override {
         if (queued_ || from.id != ourselves) return;
         const auto& row = row_of(receive_counters, cause);
-        copies_.push_back({from.link, from.id, {}, false, row.name, row.help});
-        const bool is_unknown = cause == &ReceiveCounters::no_route && ano::intent_of(frame) == ano::Intent::acts;
-        if (is_unknown) copies_.back().unknown_device = frame.destination();
+        copies_.push_back({from.link, from.id, {}, false, row.name, std::string{row.help}});
+        const bool acts = ano::intent_of(frame) == ano::Intent::acts;
+        if (cause == &ReceiveCounters::no_route && acts) copies_.back().not_routed = frame.destination();
     }
     void refused(LinkId to, ano::FrameView, SendCause cause) override {
         if (queued_) return;
         const auto& row = row_of(send_counters, cause);
-        copies_.push_back({to, ourselves, {}, false, row.name, row.help});
+        copies_.push_back({to, ourselves, {}, false, row.name, std::string{row.help}});
     }
     void left(const Channel& to, ano::FrameView frame) noexcept override {
         if (Copy* copy = find(to, frame)) copy->has_left = true;
@@ -97,6 +97,7 @@ private:
         if (!copy) return;
         copy->cause = row_of(send_counters, cause).name;
         copy->why = row_of(send_counters, cause).help;
+        if (!to.v7.refusal.empty()) copy->why = "refused by the rules of V7: " + std::string{to.v7.refusal};
     }
     Copy* find(const Channel& to, ano::FrameView frame) noexcept {
         const auto is_it = [&](const Copy& copy) {
@@ -126,7 +127,7 @@ http::Response response_for(const Gateway& gateway, const Fate& fate, bool ends_
         if (!copy.cause.empty()) {
             place["cause"] = copy.cause;
             reasons.append(reasons.empty() ? "" : "; ").append(gateway.name(copy.link)).append(": ");
-            reasons.append(copy.unknown_device != 0 ? unknown_device(copy.unknown_device).text : std::string{copy.why});
+            reasons.append(copy.not_routed != 0 ? not_routed(copy.not_routed).text : copy.why);
         }
         json[!copy.cause.empty() ? "dropped" : copy.has_left ? "sent" : "waiting"].push_back(std::move(place));
     }

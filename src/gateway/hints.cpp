@@ -1,3 +1,4 @@
+#include <ano/address.hpp>
 #include <ano/hex.hpp>
 #include <gateway/hints.hpp>
 #include <gateway/v7_guess.hpp>
@@ -236,7 +237,7 @@ Hint trouble(const LinkFigures& link, bool with_details) {
                 "commands and requests received here are dropped, since V7 devices send none: if a host program is at the other "
                 "end, set v7_role=host"};
     if (link.answers_for_others) return old_device(*link.answers_for_others);
-    if (link.not_sent) return unknown_device(*link.not_sent);
+    if (link.not_sent) return not_routed(*link.not_sent);
     if (link.nobody) return no_address(*link.nobody);
     if (link.hidden != 0) return hidden(link.hidden);
     if (link.contradictory != 0) return contradiction(link.contradictory, link.attitude);
@@ -275,7 +276,12 @@ std::string_view advice_on(SharedSource shared) {
     return {};
 }
 
-Hint unknown_device(std::uint8_t address) {
+Hint not_routed(std::uint8_t address) {
+    if (address == ano::address::broadcast)
+        return {
+            "no_broadcast",
+            "commands and writes to 0xFF, that is, to all devices, are not sent: no other link accepts broadcasts (broadcast=no "
+            "or profile=old); send them to the address of the device instead"};
     const std::string device = ano::hex_byte(address);
     return {"unknown_device",
             "commands and writes to " + device +

@@ -8,6 +8,7 @@ export const hints: Record<string, string> = {
   clients_without_frame: "{count} 个已连接的客户端尚未发来完整的有效帧",
   ring: "检测到环路：从 {out} 发出的帧又从 {back} 收到",
   unknown_device: "发给 {device} 的命令和写入没有发出：还没有任何链路收到过它的帧，而其他设备可能会执行；请用 --route {device}=链路 指定",
+  no_broadcast: "发给 0xFF（所有设备）的命令和写入没有发出：其他链路都不接受广播（broadcast=no 或 profile=old）；请改为发给具体设备的地址",
   answers_for_others: "设备 {device} 会执行发给其他地址的帧：请在这条链路上设置 profile=old",
   v7_loop: "这条线路上收到了网关 V7 链路发出的帧：请断开；如果它连接两个网关，请在一端设置 v7_role=host",
   v7_commands: "这里收到的命令和请求已被丢弃，因为 V7 设备不会发送它们；如果另一端是上位机程序，请设置 v7_role=host",

@@ -73,7 +73,10 @@ TEST(Hint, devices_that_act_for_others_or_have_no_address_are_reported) {
               "an `alias`");
     link.not_sent = std::uint8_t{0x44};
     EXPECT_EQ(find_hint(link).id, "unknown_device");
-    EXPECT_EQ(find_hint(link).text, unknown_device(0x44).text);
+    EXPECT_EQ(find_hint(link).text, not_routed(0x44).text);
+    link.not_sent = std::uint8_t{0xFF};
+    EXPECT_EQ(find_hint(link).id, "no_broadcast");
+    EXPECT_EQ(find_hint(link).text.find("--route"), std::string::npos) << "0xFF can't be routed";
     link.answers_for_others = std::uint8_t{1};
     EXPECT_EQ(hint(link), "device 0x01 acts on frames for other addresses: set profile=old on this link");
     EXPECT_EQ(find_hint(link).id, "answers_for_others");
