@@ -82,6 +82,8 @@ public:
     /// Valid frames since the last byte outside of valid frames.
     std::uint64_t frames_since_skipped() const noexcept { return counters_.frames_in - frames_at_skip_; }
     const ParserCounters& counters() const noexcept { return counters_; }
+    /// The largest LEN among ParserCounters::long_images; 0: there were none.
+    std::size_t longest_image() const noexcept { return longest_image_; }
     void set_line_rate(std::uint32_t bytes_per_second) noexcept { options_.line_rate = bytes_per_second; }
 
 private:
@@ -117,6 +119,7 @@ private:
     bool begins_with_frame(std::span<const std::uint8_t> datagram) const noexcept;
     void note_long_image(std::size_t at) noexcept;
     void check_long_image() noexcept;
+    void count_long_image(const std::uint8_t* begin) noexcept;
     bool may_be_image(std::size_t at, std::size_t length) const noexcept {
         return buffer_[at + 3] == image_id && length <= max_image_;
     }
@@ -152,6 +155,7 @@ private:
     LazyArray<std::uint8_t> skipped_{kept_skipped};    // a ring: byte N of skipped_bytes is at N % kept_skipped
     // The number of the first byte of a refused header that may be that of an image, among the skipped bytes: the next ones show it.
     std::optional<std::uint64_t> long_image_at_{};
+    std::size_t longest_image_ = 0;
     std::uint64_t frames_at_skip_ = 0;    // counters_.frames_in when a byte was skipped last
     ParserCounters counters_;
 };

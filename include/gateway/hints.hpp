@@ -63,6 +63,7 @@ struct LinkFigures {
     std::uint64_t came_stale = 0;    // the part of `sent.stale` that became stale while the gateway stood still
     std::uint64_t v7_frames = 0;
     std::uint64_t long_images = 0;                 // ParserCounters
+    std::size_t longest_image = 0;                 // FrameParser::longest_image()
     bool may_use_v7 = false;                       // it has the key `protocol`
     bool v7_loops = false, v7_commands = false;    // V7Counters::up_loop, up_command: lately
     std::string_view ring_out, ring_back;    // names of links: frames sent on the first return on the second; empty: no loop

@@ -260,7 +260,7 @@ std::size_t FrameParser::next_candidate(std::size_t from) noexcept {
 [[gnu::noinline]] void FrameParser::note_long_image(std::size_t at) noexcept {
     const std::uint8_t* const begin = buffer_.get() + at;
     if (begin[3] != image_id || data_length(begin) <= max_image_) return;
-    if (end_ - at >= image_head_size) counters_.long_images += is_plausible_image(begin);
+    if (end_ - at >= image_head_size) count_long_image(begin);
     else long_image_at_ = counters_.skipped_bytes + (at - pos_);
 }
 
@@ -269,8 +269,14 @@ void FrameParser::check_long_image() noexcept {
     for (std::size_t i = 0; i < begin.size(); ++i)
         begin[i] = skipped_[static_cast<std::size_t>((*long_image_at_ + i) % kept_skipped)];
     const bool is_kept = counters_.skipped_bytes - *long_image_at_ <= kept_skipped;
-    counters_.long_images += is_kept && is_plausible_image(begin.data());
+    if (is_kept) count_long_image(begin.data());
     long_image_at_.reset();
+}
+
+void FrameParser::count_long_image(const std::uint8_t* begin) noexcept {
+    if (!is_plausible_image(begin)) return;
+    ++counters_.long_images;
+    longest_image_ = std::max(longest_image_, data_length(begin));
 }
 
 // Called if the first check is right, which is rare.

@@ -201,6 +201,7 @@ LinkReport report_of(const Gateway& gateway, const LinkState& state, TimePoint n
         f.v7_commands = f.v7_commands || V7Notes::is_recent(channel.v7.command, now);
         f.v7_frames += channel.parser.counters().v7_frames;
         f.long_images += channel.parser.counters().long_images;
+        f.longest_image = std::max(f.longest_image, channel.parser.longest_image());
         add_skipped(f, channel.parser);
         if (channel.parser.counters().skipped_bytes > 0)
             f.frames_since_skipped = std::min(f.frames_since_skipped.value_or(UINT64_MAX), channel.parser.frames_since_skipped());

@@ -96,6 +96,7 @@ Json link_json(const Gateway& gateway, const LinkState& state, TimePoint now) {
     json["channels"] = Json::array();
     for (const ChannelId id : traffic.channels) json["channels"].push_back(channel_json(gateway.channel(id), *state.link, now));
     put(json, report.figures.received, report.figures.sent, report.waiting);
+    if (report.figures.longest_image > 0) json["longest_image"] = report.figures.longest_image;
     return json;
 }
 

@@ -49,11 +49,13 @@ TEST(ParserImages, longer_ones_are_recognised_however_their_bytes_arrive) {
         line.put(picture(0, 188, 120, 188 * 120) + picture(0, 188, 120, 188 * 120) + numbered(1), at_once);
         EXPECT_EQ(line.frames, Frames{numbered(1)});
         EXPECT_EQ(line.counters().long_images, 2u) << at_once;
+        EXPECT_EQ(line.parser.longest_image(), 22'577u) << at_once;
     }
     Line noise;
     for (unsigned i = 0; i < 1000; ++i)
         noise.put(Bytes{0xAB, 1, 2, ano::image_id, 0xFF, 0xFF} + Bytes(30, static_cast<std::uint8_t>(i)));
     EXPECT_EQ(noise.counters().long_images, 0u);
+    EXPECT_EQ(noise.parser.longest_image(), 0u);
 }
 
 TEST(ParserImages, an_image_of_bits_may_have_rows_of_width_over_8_rounded_either_way) {

@@ -25,12 +25,14 @@ std::vector<std::string> refused_lengths(const ano::Json& before, const ano::Jso
             return static_cast<std::size_t>(std::max(0.0, number_at(link, counter) - then));
         };
         const std::string quoted = ano::in_quotes(name);
+        const std::string image = text_at(link, "longest_image");    // of those that were refused
         if (const std::size_t n = growth("bad_length"); n > 0)
             sentences.push_back("the link " + quoted + " refused " + plural(n, "header") +
-                                " due to LEN (bad_length); if pictures are missing, set max_data=20000 on it");
+                                " due to LEN (bad_length); if pictures are missing, set max_data" +
+                                (image.empty() ? " on it to their LEN, at most 65535" : "=" + image + " on it"));
         if (const std::size_t n = growth("too_big"); n > 0)
             sentences.push_back(plural(n, "frame") + " did not fit the link " + quoted +
-                                " (too_big); set max_data_out=20000 on it, and queue=65536 if smaller");
+                                " (too_big); set max_data_out on it to their LEN, at most 65535, and queue to twice that");
     }
     return sentences;
 }
