@@ -362,9 +362,23 @@ TEST_P(RadiosOfAGroup, replace_each_other_while_a_stranger_sends) {
     EXPECT_TRUE(wait_until(land_is_answered));
 }
 
-INSTANTIATE_TEST_SUITE_P(At, RadiosOfAGroup,
-                         testing::Values(pinned_in_a_group, learned_in_a_group, pinned_with_others, learned_with_others),
+INSTANTIATE_TEST_SUITE_P(At, RadiosOfAGroup, testing::Values(learned_in_a_group, pinned_with_others, learned_with_others),
                          name_of);
+
+/// Pinned to a serial port, in a group with a link whose peers are not trusted.
+class PinnedRadio : public ForgedAnswers {};
+
+TEST_P(PinnedRadio, is_not_replaced_by_an_unknown_peer_while_it_is_silent) {
+    DeviceInTheNetwork stranger{"127.0.0.9:0"};
+    device.mute(true);
+    stranger.start(daemon->port("net"));
+    ASSERT_TRUE(daemon->until([&](const json&) { return !conflict().is_null(); }));
+    const auto answer = asked(socket, "POST", "/devices/0xDC/commands/LAND", "{}");
+    EXPECT_EQ(answer.status, 504u) << answer.body;
+    EXPECT_NE(answer.body.find("which is not its link, and were ignored"), std::string::npos) << answer.body;
+}
+
+INSTANTIATE_TEST_SUITE_P(At, PinnedRadio, testing::Values(pinned_in_a_group), name_of);
 
 /// A vehicle in the network, lost in flight, and another sender on another link or on the same one.
 class LostVehicle : public testing::TestWithParam<const char*> {
