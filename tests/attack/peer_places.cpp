@@ -120,6 +120,37 @@ TEST_F(Strangers, that_send_commands_leave_quota_for_a_trusted_network) {
     EXPECT_EQ(seven_commands(stranger(40)), 7u);
 }
 
+// As with forged sources, or computers behind one router.
+TEST_F(Strangers, with_the_address_of_an_operator_block_none_of_its_commands) {
+    for (const bool is_trusted : {false, true}) {
+        auto link = udp_listen("ground", "0.0.0.0:0");
+        if (is_trusted) link.as<anogate::UdpListenSettings>().trusted = {*anogate::Network::parse("10.0.0.40/32")};
+        start(link);
+        for (int i = 0; i < 4; ++i) stranger(40).send(to(), vendor::who_are_you);
+        ASSERT_TRUE(until([&] { return places() == 4; }));
+        std::this_thread::sleep_for(anogate::PeerBook::exchange);
+        for (const auto& peer : peers) peer->send(to(), vendor::who_are_you);
+        ASSERT_TRUE(until([&] { return daemon->count("ground", "frames_in") == 8; }));
+        fc->forget();
+        EXPECT_EQ(seven_commands(stranger(40)), 7u) << is_trusted;
+        EXPECT_TRUE(daemon->counters_add_up());
+        peers.clear();
+        TearDown();
+    }
+}
+
+TEST_F(Strangers, that_send_commands_never_keep_trusted_operators_from_their_places) {
+    auto link = udp_listen("ground", "0.0.0.0:0");
+    link.as<anogate::UdpListenSettings>().trusted = {*anogate::Network::parse("10.0.0.40/29")};
+    start(link);
+    for (int i = 0; i < 16; ++i) stranger(10 + i).send(to(), frame(0xFE, 0xDC, 0xC0, {16, 9, 0}));
+    ASSERT_TRUE(until([&] { return daemon->count("ground", "bytes_in") == 16 * command(0).size(); }));
+    for (int i = 0; i < 6; ++i) {
+        fc->forget();
+        EXPECT_EQ(seven_commands(stranger(40 + i)), 7u) << i;
+    }
+}
+
 TEST_F(Strangers, that_send_commands_block_no_command_of_an_operator) {
     start();
     for (int i = 0; i < 30; ++i) stranger(10 + i);

@@ -79,13 +79,15 @@ public:
     ///   address that keeps at least as many places as the address of the sender would have, or was silent for an exchange and is
     ///   no host that may listen.
     /// - If its address has max_of_address places, it replaces a peer of that address.
-    /// - Programs of this machine replace each other, the longest silent first, but one that sent once does not replace one that
-    ///   sent again.
+    /// - Programs of this machine replace each other, but one that sent once does not replace one that sent again.
+    /// - Of several, one that sent once leaves before one that sent again, and of these the longest silent.
     /// - With connections, it replaces an overdue peer.
     /// - Peers of a lower rank do not use places that are reserved for a higher rank.
     /// - If places are reserved, a host that sends a command gets one, unless all turns are used. Of the two peers that sent
     ///   commands and joined last, it replaces the one that commands less often (the time between its last two commands, or since
     ///   the last, is longer), else the newest. Many such hosts take turns, one that commands more often stays, as do older ones.
+    /// - A trusted one replaces one that is not trusted in the same way, but first those that sent no command.
+    /// - If its address has max_of_address places, one that commands or is trusted replaces peers of that address in this way.
     Place place_for(const Endpoint& stranger, TimePoint now, Rank rank = Rank::ordinary);
 
     /// `near`: it is in a network of our interfaces. It counts as received at `now`, since its first frame may be reported a
@@ -166,7 +168,10 @@ private:
     Peer& peer(ChannelId id) noexcept { return peers_[index(id)]; }
     bool has_free_place(Rank rank) const noexcept;
     bool may_be_evicted(const Peer& p, Rank to) const noexcept;
-    std::optional<ChannelId> replaced_by_command(TimePoint now) noexcept;
+    static bool leaves_before(const Peer& a, const Peer& b) noexcept;
+    /// By a host that commands, or is trusted. `of`: only peers of this address; nullptr: any.
+    std::optional<ChannelId> replaced_by_rank(Rank rank, const IpAddress* of, TimePoint now) const noexcept;
+    std::optional<ChannelId> replaced_by_command(ChannelSet commanding, TimePoint now) const noexcept;
     bool takes_turn(TimePoint now) noexcept;
     void remember_displaced(const Peer& p) noexcept;
     std::size_t count(Rank at_least) const noexcept;

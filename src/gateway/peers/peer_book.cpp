@@ -15,7 +15,7 @@ PeerBook::Place PeerBook::place_for(const Endpoint& stranger, TimePoint now, Ran
 
     const bool again = keeps_retrying(stranger, now);
     const ChannelSet late = options_.has_connections ? overdue(now) : ChannelSet{};
-    std::optional<ChannelId> longest_silent;
+    std::optional<ChannelId> replaced;
     for (const ChannelId id : used_) {
         const Peer& p = peer(id);
         if (address_full ? !is_same_party(p.endpoint.address, address, rank) : !may_be_evicted(p, rank)) continue;
@@ -24,24 +24,46 @@ PeerBook::Place PeerBook::place_for(const Endpoint& stranger, TimePoint now, Ran
         const bool is_evictable = is_silent(p, now) ? again || !p.has_returned : again && sent_once;
         const bool is_of_us = local && p.endpoint.address.is_loopback() && (again || !p.has_returned);
         if (!is_evictable && !is_of_us && !late.contains(id)) continue;
-        if (!longest_silent || p.heard_at < peer(*longest_silent).heard_at) longest_silent = id;
+        if (!replaced || leaves_before(p, peer(*replaced))) replaced = id;
     }
-    if (!longest_silent && rank == Rank::commands && !address_full && options_.kept > 0)
-        longest_silent = replaced_by_command(now);
-    return {longest_silent.has_value(), longest_silent};
+    if (!replaced && rank != Rank::ordinary) {
+        const auto by_rank = replaced_by_rank(rank, address_full ? &address : nullptr, now);
+        if (by_rank && takes_turn(now)) replaced = by_rank;
+    }
+    return {replaced.has_value(), replaced};
 }
 
-std::optional<ChannelId> PeerBook::replaced_by_command(TimePoint now) noexcept {
+// One that sent once leaves before one that sent again, and of these the longest silent.
+bool PeerBook::leaves_before(const Peer& a, const Peer& b) noexcept {
+    return std::pair{a.has_returned, a.heard_at} < std::pair{b.has_returned, b.heard_at};
+}
+
+std::optional<ChannelId> PeerBook::replaced_by_rank(Rank rank, const IpAddress* of, TimePoint now) const noexcept {
+    if (!of && rank == Rank::commands && options_.kept == 0) return std::nullopt;
+    ChannelSet commanding;
+    std::optional<ChannelId> other;
+    for (const ChannelId id : used_) {
+        const Peer& p = peer(id);
+        const bool may_leave = of                      ? p.rank <= rank && is_same_party(p.endpoint.address, *of, rank)
+                               : rank == Rank::trusted ? p.rank < rank
+                                                       : p.rank == rank;
+        if (!may_leave) continue;
+        if (p.rank == Rank::commands || p.commanded_at != TimePoint{}) commanding.insert(id);
+        else if (!other || leaves_before(p, peer(*other))) other = id;
+    }
+    return other ? other : replaced_by_command(commanding, now);
+}
+
+std::optional<ChannelId> PeerBook::replaced_by_command(ChannelSet commanding, TimePoint now) const noexcept {
     std::optional<ChannelId> last, before;    // of those that joined
     const auto joined_later = [&](ChannelId id, const std::optional<ChannelId>& than) {
         return !than || peer(id).exchange_began >= peer(*than).exchange_began;
     };
-    for (const ChannelId id : used_) {
-        if (peer(id).rank != Rank::commands) continue;
+    for (const ChannelId id : commanding) {
         if (joined_later(id, last)) before = std::exchange(last, id);
         else if (joined_later(id, before)) before = id;
     }
-    if (!last || !takes_turn(now)) return std::nullopt;
+    if (!last) return std::nullopt;
     const auto between_commands = [&](const Peer& p) {
         return std::max(p.commanded_at - p.commanded_before, now - p.commanded_at);
     };

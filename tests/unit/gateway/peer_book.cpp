@@ -413,6 +413,48 @@ TEST(PeerBook, a_flood_of_commanding_hosts_costs_little) {
     EXPECT_EQ(replaced_by(200, start + 30s), std::size_t{PeerBook::turns_at_once});
 }
 
+// As with forged sources, or several computers behind one router.
+TEST(PeerBook, an_operator_gets_a_place_although_others_hold_all_those_of_its_address) {
+    using enum PeerBook::Rank;
+    for (const PeerBook::Rank rank : {commands, trusted}) {
+        Book book{PeerBook::Options{60s, 16, 2, 4, 2}};
+        const PeerBook::Rank of_others = rank == trusted ? trusted : ordinary;
+        book.join_once(a, at("10.0.0.60:1"), host, start, of_others);
+        book.join_once(b, at("10.0.0.60:2"), host, start + 1s, of_others);
+        const TimePoint now = start + 5s;
+        for (const ChannelId id : {a, b}) book.heard(id, host, now);
+        EXPECT_FALSE(book.place_for(at("10.0.0.60:3"), now).free) << "not for one that listens";
+        ASSERT_EQ(book.place_for(at("10.0.0.60:3"), now, rank).evicted, a);
+        book.remove(a);
+        book.join_once(a, at("10.0.0.60:3"), host, now, rank);
+        book.commanded(a, now);
+        EXPECT_EQ(book.place_for(at("10.0.0.60:4"), now, rank).evicted, b) << "one that sent no command";
+        book.commanded(b, now);
+        book.commanded(a, now + 1s);
+        book.heard(a, host, now + 1s);
+        EXPECT_EQ(book.place_for(at("10.0.0.60:4"), now + 2s, rank).evicted, b) << "one that commands less often";
+    }
+}
+
+TEST(PeerBook, a_trusted_host_replaces_one_that_is_not_trusted_although_it_is_active) {
+    using enum PeerBook::Rank;
+    Book book{PeerBook::Options{60s, 3, 3, 1, 1}};
+    book.join_once(a, phone, host, start, commands);
+    book.join_once(b, laptop, host, start, commands);
+    book.join_once(c, at("10.0.0.1:1"), host, start, trusted);
+    for (const ChannelId id : {a, b, c}) book.heard(id, host, start + 5s);
+    ASSERT_EQ(book.place_for(at("10.0.0.2:1"), start + 5s, trusted).evicted, b);
+    book.remove(b);
+    book.join_once(b, at("10.0.0.2:1"), host, start + 5s, trusted);
+    EXPECT_EQ(book.place_for(at("10.0.0.3:1"), start + 5s, trusted).evicted, a);
+    book.remove(a);
+    book.join(a, phone, device, start + 5s);
+    EXPECT_EQ(book.place_for(at("10.0.0.3:1"), start + 6s, trusted).evicted, a) << "also one that sends telemetry";
+    book.remove(a);
+    book.join_once(a, at("10.0.0.3:1"), host, start + 6s, trusted);
+    EXPECT_FALSE(book.place_for(at("10.0.0.4:1"), start + 7s, trusted).free);
+}
+
 // Strangers send commands five times a second, simultaneously or one after the other, also at the same time as the operator.
 TEST(PeerBook, a_late_operator_keeps_its_place_among_hosts_that_command_less_often_and_loses_no_command) {
     using enum PeerBook::Rank;
@@ -513,6 +555,29 @@ TEST(PeerBook, a_device_gets_its_place_for_good_within_seconds_however_many_stra
                 EXPECT_LT((lost - start) / 1ms, (first + within - start) / 1ms)
                     << is_local << " every " << period / 1ms << " ms, " << strangers_per_second << "/s";
             }
+}
+
+TEST(PeerBook, several_devices_and_a_quiet_ground_station_keep_their_places_among_strangers_that_send_once) {
+    constexpr Duration between_strangers = 500us, between_frames = Duration{1s} / 7, between_questions = 5s;
+    const auto local = [](std::uint16_t port) { return Endpoint{IpAddress::v4(127, 0, 0, 1), port}; };
+    const Endpoint station = local(60001);
+    const std::array devices{local(60002), local(60003), local(60004), local(60005)};
+    Flood flood;
+    flood.sends(station, start);
+    flood.sends(station, start + 1200ms);
+    TimePoint question = start + between_questions, frame = start + 2s, lost = start;
+    std::uint32_t n = 0;
+    for (TimePoint now = start + 2s; now < start + 20s; now += between_strangers) {
+        if (now >= question) flood.sends(station, std::exchange(question, question + between_questions));
+        if (now >= frame) {
+            for (const Endpoint& one : devices) flood.sends(one, frame);
+            frame += between_frames;
+        }
+        flood.sends(stranger(true, n++), now);
+        EXPECT_TRUE(flood.has_place(station));
+        if (!std::all_of(devices.begin(), devices.end(), [&](const Endpoint& one) { return flood.has_place(one); })) lost = now;
+    }
+    EXPECT_LT((lost - start) / 1ms, 7000);
 }
 
 TEST(PeerBook, a_device_that_sends_again_displaces_no_host_that_may_listen_and_no_peer_that_sent_again) {
