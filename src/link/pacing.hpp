@@ -42,12 +42,6 @@ public:
         }
         return budget;
     }
-    /// Whether `bytes` that are not in the outbox may be sent now. False: `go_on` will be called.
-    bool allows(std::size_t bytes, ano::TimePoint now) {
-        if (!pacer_ || pacer_->allowance(bytes, false, now) > 0) return true;
-        go_on_.set(pacer_->next_at(bytes));
-        return false;
-    }
     void sent(std::size_t bytes, ano::TimePoint now) noexcept {
         if (pacer_) pacer_->sent(bytes, now);
     }

@@ -9,8 +9,8 @@ namespace anogate {
 namespace {
 
 constexpr std::size_t frames_per_write = 64;
-constexpr int reads_per_turn = 16;                            // before other links have their turn
-constexpr std::size_t max_raw = 64 * 1024, raw_piece = 63;    // a command waits for one piece, which is one report of HID
+constexpr int reads_per_turn = 16;    // before other links have their turn
+constexpr std::size_t max_raw = 64 * 1024;
 
 }    // namespace
 
@@ -71,7 +71,7 @@ void StreamSession::close() noexcept {
     descriptor_.close();
     pacing_.stop();
     expiry_.cancel();
-    clear_unsent();
+    raw_.clear();
     is_opening_ = false;
     if (v7_) v7_->pause();
 }
@@ -84,7 +84,7 @@ void StreamSession::end_of_input() {
     if (v7_) {
         v7_->end_of_input();
         context_.host.flush();
-        clear_unsent();
+        raw_.clear();
         return;
     }
     expiry_.cancel();
@@ -151,23 +151,15 @@ bool StreamSession::write_raw(std::span<const std::uint8_t> bytes) {
     return true;
 }
 
-void StreamSession::clear_unsent() noexcept {
-    translated_.clear();
-    raw_.clear();
-    piece_ = 0;
-    raw_is_next_ = false;
-}
-
-// Writes and removes the first `size` bytes. False: nothing more can be written now, or the connection is lost; the rest stays.
-bool StreamSession::write_bytes(std::vector<std::uint8_t>& bytes, std::size_t size) {
-    while (size > 0) {
-        const iovec piece{bytes.data(), size};
+// Waits until a partly sent frame is complete. False: nothing more can be written now, or the connection is lost.
+bool StreamSession::write_raw_first() {
+    while (!raw_.empty() && !channel_->outbox.has_begun()) {
+        const iovec piece{raw_.data(), raw_.size()};
         const ssize_t n = write_some({&piece, 1});
         if (n > 0) {
-            const std::span<const std::uint8_t> taken{bytes.data(), static_cast<std::size_t>(n)};
+            const std::span<const std::uint8_t> taken{raw_.data(), static_cast<std::size_t>(n)};
             if (tap_) tap_->sent(taken);
-            bytes.erase(bytes.begin(), bytes.begin() + n);
-            size -= static_cast<std::size_t>(n);
+            raw_.erase(raw_.begin(), raw_.begin() + n);
             pacing_.sent(static_cast<std::size_t>(n), context_.host.now());
         } else if (n == 0 || errno == EAGAIN) {
             write_later();
@@ -180,28 +172,9 @@ bool StreamSession::write_bytes(std::vector<std::uint8_t>& bytes, std::size_t si
     return true;
 }
 
-bool StreamSession::is_turn_of_raw() const noexcept {
-    const Outbox& outbox = channel_->outbox;
-    return !raw_.empty() && !outbox.has_begun() && (raw_is_next_ || piece_ > 0 || outbox.empty());
-}
-
-// False: nothing more can be written now, or the connection is lost.
-bool StreamSession::write_raw_piece() {
-    if (piece_ == 0) {
-        const std::size_t size = std::min(raw_.size(), raw_piece);
-        if (!pacing_.allows(size, context_.host.now())) return false;
-        piece_ = size;
-    }
-    const std::size_t before = raw_.size();
-    const bool is_done = write_bytes(raw_, piece_);
-    piece_ -= std::min(piece_, before - raw_.size());
-    raw_is_next_ = !is_done;
-    return is_done;
-}
-
 void StreamSession::queue_v7() {
     const auto frames = v7_->unsent();
-    translated_.insert(translated_.end(), frames.begin(), frames.end());
+    raw_.insert(raw_.end(), frames.begin(), frames.end());
     v7_->written(frames.size());
 }
 
@@ -210,26 +183,17 @@ void StreamSession::write_v7() {
     Outbox& outbox = channel_->outbox;
     if (is_open()) queue_v7();
     while (is_open()) {
-        if (piece_ == 0 && !write_bytes(translated_, translated_.size())) {
+        if (!write_raw_first()) {
             if (is_open()) outbox.set_congested();
             return;
-        }
-        if (is_turn_of_raw()) {
-            if (!write_raw_piece()) return;
-            continue;
         }
         if (outbox.empty()) break;
         const TimePoint now = context_.host.now();
         const std::size_t budget = pacing_.budget(outbox, now);
         std::span<const std::uint8_t> first;
-        if (budget == 0) break;
-        if (outbox.gather({&first, 1}, now, budget) == 0) {
-            if (outbox.empty()) continue;    // they were stale
-            break;
-        }
-        raw_is_next_ = true;
+        if (budget == 0 || outbox.gather({&first, 1}, now, budget) == 0) break;
         if (outbox.zeros() > 0) {
-            translated_.insert(translated_.end(), first.begin(), first.end());
+            raw_.insert(raw_.end(), first.begin(), first.end());
             outbox.sent(first.size());
         } else {
             v7_->take(outbox, ano::FrameView{first}, now);
@@ -254,37 +218,27 @@ bool StreamSession::write_held() {
 }
 
 void StreamSession::write() {
-    if (is_opening_ || (holds_bytes() && !write_held())) return;
+    if (is_opening_ || (holds_bytes() && !write_held()) || (!raw_.empty() && !write_raw_first())) return;
     if (v7_) return write_v7();
-    write_frames();
-}
-
-void StreamSession::write_frames() {
     std::array<std::span<const std::uint8_t>, frames_per_write> frames;
     std::array<iovec, frames_per_write> pieces;
     Outbox& outbox = channel_->outbox;
-    while (is_open()) {
-        if (is_turn_of_raw()) [[unlikely]] {
-            if (!write_raw_piece()) return;
-            continue;
-        }
-        if (outbox.empty()) break;
+    while (is_open() && !outbox.empty()) {
         const TimePoint now = context_.host.now();
         const std::size_t budget = pacing_.budget(outbox, now);
         if (budget == 0) break;
         const std::size_t count = outbox.gather(frames, now, budget);
         for (std::size_t i = 0; i < count; ++i) pieces[i] = {const_cast<std::uint8_t*>(frames[i].data()), frames[i].size()};
-        if (count == 0 && outbox.empty()) continue;    // they were stale
         if (count == 0) break;
         const ssize_t n = write_some(std::span{pieces}.first(count));
         if (n > 0) {
             if (tap_) [[unlikely]]
                 pass_to_tap(std::span{frames}.first(count), static_cast<std::size_t>(n));
             outbox.sent(static_cast<std::size_t>(n));
-            raw_is_next_ = true;
             const TimePoint written = pacing_.pauses() ? context_.host.now() : now;
             pacing_.sent(static_cast<std::size_t>(n), written);
             if (pacing_.is_on()) pacing_.correct(held_by_driver(), written);
+            if (!raw_.empty() && !write_raw_first()) return;    // waited for the end of a frame
         } else if (n == 0 || errno == EAGAIN) {
             outbox.set_congested();
             write_later();

@@ -45,7 +45,7 @@ public:
     void resume_reading();
     /// Nothing more will be received: handles the bytes after the last complete frame.
     void end_of_input();
-    /// As RawPort. The bytes are sent in pieces, and between two pieces the frames that may be sent then.
+    /// As RawPort.
     void set_tap(RawTap* tap) noexcept { tap_ = tap; }
     bool write_raw(std::span<const std::uint8_t> bytes);
 
@@ -99,11 +99,7 @@ private:
     bool write_held();
     void write_v7();
     void queue_v7();
-    void clear_unsent() noexcept;
-    void write_frames();
-    bool write_bytes(std::vector<std::uint8_t>& bytes, std::size_t size);
-    bool write_raw_piece();
-    bool is_turn_of_raw() const noexcept;
+    bool write_raw_first();
     void pass_to_tap(std::span<const std::span<const std::uint8_t>> frames, std::size_t bytes);
 
     Descriptor descriptor_;
@@ -112,10 +108,7 @@ private:
     Alarm expiry_;
     Pacing pacing_;
     RawTap* tap_ = nullptr;
-    std::vector<std::uint8_t> translated_;    // V7 frames to be sent
-    std::vector<std::uint8_t> raw_;           // written by hand
-    std::size_t piece_ = 0;                   // the rest of the piece of raw_ that is being sent
-    bool raw_is_next_ = false;                // before the next frame
+    std::vector<std::uint8_t> raw_;    // written by hand; sent before the next frame
     bool is_opening_ = false;
     std::optional<StoredLink> stored_;
     std::unique_ptr<V7Edge> v7_;    // nullptr: the devices use V8

@@ -176,28 +176,6 @@ TEST_F(RawBytes, for_a_link_that_is_down_are_not_sent_and_the_client_is_notified
     EXPECT_TRUE(until([&] { return passed(raw, '<') == bytes_of("again\n"); }));
 }
 
-TEST(RawBytesOnASlowLine, do_not_hold_a_command_back) {
-    const TempDir dir;
-    PtyDevice device{dir / "fc"};
-    UdpPeer station;
-    ControlledGateway gateway{{"serial:" + (dir / "fc") + ",baud=9600", "udp-listen:127.0.0.1:0,name=ground"}};
-    ASSERT_TRUE(gateway.gateway.until_up("fc"));
-    MessageClient raw{gateway, "/links/fc/raw"};
-    ASSERT_TRUE(gateway.gateway.until([&] { return !raw.texts().empty(); }));
-    const Bytes text(2000, 'x');
-    raw.send(text);
-    Bytes heard;
-    const auto hears = [&](std::size_t bytes) {
-        return gateway.gateway.until([&] { return (heard = device.heard()).size() >= bytes; });
-    };
-    ASSERT_TRUE(hears(1));
-    station.send(gateway.gateway.port("ground"), command);
-    ASSERT_TRUE(hears(text.size() + command.size()));
-    const auto at = std::search(heard.begin(), heard.end(), command.begin(), command.end());
-    EXPECT_LT(at - heard.begin(), 1000) << "behind at most one piece";
-    EXPECT_EQ(std::count(heard.begin(), heard.end(), 'x'), 2000);
-}
-
 // A client that reads nothing: traffic continues, the loss is bounded, and reported when it reads again.
 TEST(RawBytesOfASlowClient, are_omitted_and_counted_while_frames_are_forwarded) {
     const TempDir dir;
