@@ -225,10 +225,7 @@ private:
     LinkEntry& entry(LinkId link) noexcept { return *links_[index(link)]; }
     const LinkEntry& entry(LinkId link) const noexcept { return *links_[index(link)]; }
 
-    QueuePolicy policy(ano::FrameView frame) const noexcept {
-        return frame.id() == probe_id ? policy_of_probe(frame) : policies_[frame.id()];
-    }
-    QueuePolicy policy_of_probe(ano::FrameView frame) const noexcept;
+    QueuePolicy policy(ano::FrameView frame) const noexcept { return policies_[frame.id()]; }
 
     void left(ChannelId channel, ano::FrameView frame) noexcept override;
     void dropped(ChannelId channel, ano::FrameView frame, SendCause cause) noexcept override;

@@ -46,8 +46,6 @@ private:
     };
 
     // from the host program
-    /// Counts a frame that was sent by a gateway.
-    bool has_returned(ano::v7::FrameView frame, V7Output& output);
     std::uint8_t host_of(std::uint8_t v7_id) const noexcept { return source_of(v7_id, ano::address::host); }
     void send_to_device(std::uint8_t v7_id, std::uint8_t id, Data data, V7Output& output) {
         send_up(host_of(v7_id), settings_.address, id, data, output);

@@ -84,7 +84,7 @@ struct V7Settings {
     std::vector<V7Parameter> parameters{};    // empty: hosts read and write parameters by number
     std::size_t max_data = 44;                // the largest DATA sent to the device; at most 255
     std::string name{};                       // in the device information; empty: after `address`
-    std::uint32_t line = 0;                   // see V7EchoWatch; 0: no probes are sent
+    std::uint32_t line = 0;                   // a random number, see V7EchoWatch; 0: no probes are sent
 
     static std::bitset<256> default_down();
 };
@@ -117,7 +117,6 @@ struct V7Counters {
     std::uint64_t down_unrepresentable{};    // a value that V7 can't represent
     std::uint64_t down_unmatched{};          // an acknowledgement or answer, and nothing was requested
     std::uint64_t down_queue_full{};         // too many requests wait
-    std::uint64_t down_loop{};               // the line leads back to this gateway
     std::uint64_t down_other_device{};       // to a device: for another one; to a host program: not of the device that it sees
 };
 
@@ -154,7 +153,6 @@ inline constexpr V7CounterRow v7_counters[] = {
     {"v7_down_unrepresentable", &V7Counters::down_unrepresentable, "to the device: a value that V7 cannot represent"},
     {"v7_down_unmatched", &V7Counters::down_unmatched, "to the device: acknowledgements and answers that it did not request"},
     {"v7_down_queue_full", &V7Counters::down_queue_full, "to the device: too many requests wait for an answer"},
-    {"v7_down_loop", &V7Counters::down_loop, "to the device: the line leads back to this gateway"},
     {"v7_down_other_device", &V7Counters::down_other_device, "frames for or of devices other than v7_device"},
 };
 
@@ -349,8 +347,7 @@ private:
     // down: each function that sends to the device ends in send_down()
     void send_down(Data frame, V7Output& output);
     void send_down(std::uint8_t v8_destination, std::uint8_t id, Data data, V7Output& output) override;
-    void send_probe_before(ano::v7::FrameView frame, V7Output& output);
-    void pass_probe(Data data, V7Output& output);
+    void send_probe(V7Output& output);
     /// Why a frame within `frame` must not reach the device; std::nullopt: there is none, or it may.
     static std::optional<Count> forbidden_within(ano::v7::FrameView frame) noexcept;
     void command_down(const Origin& origin, Data data, ano::TimePoint now, V7Output& output);

@@ -1,7 +1,6 @@
 // The frames that the gateway sends without a request: probes, hellos, questions to holders of claimed addresses; and their
 // times.
 #include <gateway/forwarder.hpp>
-#include <gateway/v7_echo_watch.hpp>
 
 #include <algorithm>
 
@@ -11,11 +10,6 @@ namespace {
 constexpr QueuePolicy probe_policy{TrafficClass::urgent, Replaces::nothing, AgeKind::rest};
 
 }    // namespace
-
-// A probe of a V7 link arrives before the commands that follow it.
-QueuePolicy Forwarder::policy_of_probe(ano::FrameView frame) const noexcept {
-    return is_v7_probe(frame.id(), frame.data()) ? probe_policy : policies_[frame.id()];
-}
 
 Channel* Forwarder::next_to_flush() noexcept {
     while (!to_flush_.empty()) {

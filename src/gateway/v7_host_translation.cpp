@@ -64,7 +64,7 @@ void V7HostTranslation::up(v7::FrameView frame, ano::TimePoint now, V7Output& ou
     const std::uint8_t id = frame.id();
     const Data data = frame.data();
     now_ = now;
-    if (has_returned(frame, output)) return;
+    if (echoes_.is_back(frame, now)) return drop(&V7Counters::up_echo);
     if (is_of_own_sensor(id)) return drop(&V7Counters::up_own_sensor);
     if (id == 0x00) return drop(&V7Counters::up_unmatched);
     if (v7::table::is_new_in_v8(id)) return drop(&V7Counters::up_no_counterpart);
@@ -82,17 +82,6 @@ void V7HostTranslation::up(v7::FrameView frame, ano::TimePoint now, V7Output& ou
     }
     if (v7::is_same_in_v8(id)) send_to_device(id, id, data, output);
     else rebuild_up(frame, output);
-}
-
-// A probe of another gateway is passed on, so that it returns if this line and another one form a ring.
-bool V7HostTranslation::has_returned(v7::FrameView frame, V7Output& output) {
-    switch (echoes_.judge_program(frame, now_)) {
-    case V7EchoWatch::Returned::no: return false;
-    case V7EchoWatch::Returned::echo: drop(&V7Counters::up_echo); break;
-    case V7EchoWatch::Returned::loop: drop(&V7Counters::up_loop); break;
-    case V7EchoWatch::Returned::probe: send_up(host_of(frame.id()), ano::address::broadcast, frame.id(), frame.data(), output);
-    }
-    return true;
 }
 
 void V7HostTranslation::rebuild_up(v7::FrameView frame, V7Output& output) {
@@ -156,7 +145,6 @@ void V7HostTranslation::down(ano::FrameView frame, ano::TimePoint now, V7Output&
     const Data data = frame.data();
     now_ = now;
     if (frame.source() != settings_.address) return drop(&V7Counters::down_other_device);
-    if (echoes_.is_in_ring(now)) return drop(&V7Counters::down_loop);
     if (data.empty()) return drop(&V7Counters::down_malformed);
     switch (frame.id()) {
     case 0x00: return check_down(data, now, output);

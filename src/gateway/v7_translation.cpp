@@ -124,7 +124,7 @@ bool V7Translation::is_own_id(std::uint8_t id) const noexcept {
 // --- From the device
 
 bool V7Translation::has_returned(v7::FrameView frame) noexcept {
-    const V7EchoWatch::Returned returned = echoes_.is_in_ring(now_) ? V7EchoWatch::Returned::loop : echoes_.judge(frame, now_);
+    const V7EchoWatch::Returned returned = echoes_.judge(frame, now_);
     if (returned == V7EchoWatch::Returned::no) return false;
     drop(returned == V7EchoWatch::Returned::echo ? &V7Counters::up_echo : &V7Counters::up_loop);
     return true;
@@ -249,9 +249,10 @@ void V7Translation::parameter_up(v7::FrameView frame, ano::TimePoint now, V7Outp
     if (data.size() != 6) return drop(&V7Counters::up_malformed);
     const auto number = ano::load<std::uint16_t>(data.data());
     const auto value = ano::load<std::int32_t>(data.data() + 2);
-    // On a tapped line the other end writes to the device, or to all. Some devices answer to all.
-    const bool to_host = ano::address::is_host(v8_address_of(frame.destination())), asked = is_in_flight(0xE1, number);
-    if (!to_host && !(asked && frame.destination() == v7::address::broadcast)) return drop(&V7Counters::up_command);
+    // On a tapped line the other end writes to the device, or to all. Some devices answer to all, slow ones to each repeated question.
+    const bool asked = is_in_flight(0xE1, number), to_all = frame.destination() == v7::address::broadcast;
+    if (to_all && !asked) return drop(&V7Counters::up_unmatched);
+    if (!to_all && !ano::address::is_host(v8_address_of(frame.destination()))) return drop(&V7Counters::up_command);
     if (asked) {
         const Request& request = queue_[first_];
         if (!request.is_own) send_parameter(request.origin, request.index, value, output);

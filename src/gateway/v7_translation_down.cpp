@@ -68,8 +68,6 @@ void V7Translation::down(ano::FrameView frame, ano::TimePoint now, V7Output& out
     const std::uint8_t id = frame.id();
     const Data data = frame.data();
     now_ = now;
-    if (is_v7_probe(id, data)) return pass_probe(data, output);
-    if (echoes_.is_in_ring(now)) return drop(&V7Counters::down_loop);
     if (is_of_own_sensor(id)) return drop(&V7Counters::down_own_sensor);
     if (has_no_counterpart(id)) return drop(&V7Counters::down_no_counterpart);
     if (!settings_.down[id == 0xC1 ? 0xC0 : id]) return drop(&V7Counters::down_not_allowed);
@@ -101,7 +99,7 @@ void V7Translation::send_down(Data bytes, V7Output& output) {
     if (is_of_own_sensor(frame.id())) return drop(&V7Counters::down_own_sensor);
     if (frame.id() == 0xE0 && erases_firmware(frame.data())) return drop(&V7Counters::down_erase);
     if (const auto nested = forbidden_within(frame)) return drop(*nested);
-    send_probe_before(frame, output);
+    if (!V7EchoWatch::asks_or_acts(frame.id())) send_probe(output);
     ++counters_.down;
     echoes_.sent(frame, now_);
     output.to_device(frame);
@@ -120,19 +118,8 @@ std::optional<V7Translation::Count> V7Translation::forbidden_within(v7::FrameVie
     }
 }
 
-// A probe of another gateway returns to it in a ring. One of this gateway has returned.
-void V7Translation::pass_probe(Data data, V7Output& output) {
-    if (echoes_.returns_to_gateway(data, now_)) return drop(&V7Counters::down_loop);
-    if (data.size() > settings_.max_data) return drop(&V7Counters::down_too_big);
-    std::array<std::uint8_t, v7::overhead + v7_probe_data> frame;
-    v7::encode(frame, 0x00, v7_probe_id, data);
-    send_probe_before(v7::FrameView{frame}, output);
-    ++counters_.down;
-    output.to_device(v7::FrameView{frame});
-}
-
-void V7Translation::send_probe_before(v7::FrameView frame, V7Output& output) {
-    const auto probe = settings_.max_data >= v7_probe_data ? echoes_.next_probe_before(frame, now_) : std::nullopt;
+void V7Translation::send_probe(V7Output& output) {
+    const auto probe = settings_.max_data >= V7EchoWatch::probe_data ? echoes_.next_probe(now_) : std::nullopt;
     if (!probe) return;
     ++counters_.down;
     output.to_device(*probe);

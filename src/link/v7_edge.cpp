@@ -12,30 +12,14 @@
 namespace anogate {
 namespace {
 
-using Bytes = std::span<const std::uint8_t>;
-
-// Without a probe ahead of them.
-Bytes without_probe(Bytes frames) {
-    const std::size_t first = frames.empty() ? 0 : ano::v7::overhead + frames[3];
-    const bool is_ahead = first > 0 && first < frames.size() && is_v7_probe(frames[2], frames.subspan(4, frames[3]));
-    return is_ahead ? frames.subspan(first) : frames;
-}
-
 ano::v7::FrameParser::Options parser_options(const LinkSettings& link) {
-    return {std::min<std::size_t>(link.max_data, ano::v7::max_len), quiet_of(*link.kind), link.frame_gap.value_or(Duration{})};
+    return {std::min<std::size_t>(link.max_data, ano::v7::max_len), link.frame_gap.value_or(quiet_of(*link.kind))};
 }
 
-// A random number of this program and its gateway.
-std::uint32_t number_of(const LinkHost& gateway) {
-    static const std::uint32_t program = std::random_device{}() | 1;    // not 0 below
-    const auto address = reinterpret_cast<std::uintptr_t>(&gateway);
-    return static_cast<std::uint32_t>((address >> 4) * 0x9E3779B1u) ^ program;
-}
-
-std::unique_ptr<V7LinkTranslation> translation_for(const V7LinkSettings& v7, const LinkSettings& link, std::uint32_t gateway) {
+std::unique_ptr<V7LinkTranslation> translation_for(const V7LinkSettings& v7, const LinkSettings& link) {
     V7Settings settings = v7.translation();
     settings.port_id = link.id;
-    settings.line = gateway << 8 | (std::random_device{}() & 0xFF);
+    settings.line = std::random_device{}();
     if (v7.role == V7Role::host) return std::make_unique<V7HostTranslation>(std::move(settings));
     return std::make_unique<V7Translation>(std::move(settings));
 }
@@ -45,7 +29,7 @@ std::unique_ptr<V7LinkTranslation> translation_for(const V7LinkSettings& v7, con
 V7Edge::V7Edge(const V7LinkSettings& v7, const LinkSettings& link, const LinkContext& context, Calls calls)
     : context_{context},
       calls_{std::move(calls)},
-      translation_{translation_for(v7, link, number_of(context.host))},
+      translation_{translation_for(v7, link)},
       parser_{parser_options(link)},
       alarm_{context.alarms, [this] { ring(); }} {}
 
@@ -69,7 +53,7 @@ void V7Edge::translate_received() {
 void V7Edge::note_drops(TimePoint now) {
     const V7Counters& is = translation_->counters();
     if (is.up_echo != noted_.up_echo) channel_->v7.echo = now;
-    if (is.up_loop != noted_.up_loop || is.down_loop != noted_.down_loop) channel_->v7.loop = now;
+    if (is.up_loop != noted_.up_loop) channel_->v7.loop = now;
     if (is.up_command != noted_.up_command) channel_->v7.command = now;
     noted_ = is;
     noted_drops_ = translation_->dropped();
@@ -139,7 +123,7 @@ void V7Edge::take(Outbox& outbox, ano::FrameView frame, TimePoint now) {
     const std::uint64_t before = translation_->dropped();
     const std::size_t unsent = unsent_.size();
     translation_->down(frame, now, *this);
-    channel_->raw = without_probe(Bytes{unsent_}.subspan(unsent));
+    channel_->raw = std::span{unsent_}.subspan(unsent);
     if (translation_->dropped() == before) outbox.sent_frame();
     else drop(outbox);
     channel_->raw = {};

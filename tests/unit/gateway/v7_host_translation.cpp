@@ -9,10 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <deque>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace v7_host_translation_tests {
@@ -107,90 +104,6 @@ Bytes question(std::uint8_t command, unsigned value) { return Bytes{command} + u
 Bytes written(unsigned number, std::int32_t value) { return u16(number) + wire(value); }
 Bytes check_of_v7(const Bytes& v7) { return {v7[2], v7[v7.size() - 2], v7[v7.size() - 1]}; }
 Bytes check_of_v8(const Bytes& v8) { return {v8[3], v8[v8.size() - 2], v8[v8.size() - 1]}; }
-
-// --- A V7 link of a gateway at the other end
-
-// Gateways, each with one link to the line before it and one to the line behind it. `lines` lead in a circle, or not.
-struct Gateways {
-    struct Gateway final : V7Output {
-        explicit Gateway(std::uint32_t number)
-            : device{{.address = imu, .line = number << 8 | 1}},
-              program{{.address = imu, .max_data = 255, .line = number << 8 | 2}} {}
-        void to_device(v7::FrameView f) override { on_wire.emplace_back(f.bytes().begin(), f.bytes().end()); }
-        void from_device(ano::FrameView f) override { received.emplace_back(f.bytes().begin(), f.bytes().end()); }
-        V7Translation device;
-        V7HostTranslation program;
-        Frames on_wire, received;
-    };
-
-    explicit Gateways(std::size_t number) {
-        for (std::size_t i = 0; i < number; ++i) all.emplace_back(static_cast<std::uint32_t>(i + 1));
-    }
-    /// Passes a frame on from gateway `i` until none is left, or it has made several rounds. `next(i)`: the gateway at the end of its
-    /// line; if there is none, the device.
-    template <class Next>
-    void send(const Bytes& v8, std::size_t i, const Next& next) {
-        Frames frames{v8};
-        for (int hops = 0; hops < 20 && i < all.size(); ++hops) {
-            for (const Bytes& f : frames) all[i].device.down(ano::FrameView{f}, now, all[i]);
-            const Frames wire = std::exchange(all[i].on_wire, {});
-            i = next(i);
-            for (const Bytes& f : wire) {
-                if (i >= all.size()) reached.push_back(f);
-                else all[i].program.up(v7::FrameView{f}, now, all[i]);
-            }
-            frames.clear();
-            for (Gateway& gateway : all)
-                for (Bytes& f : std::exchange(gateway.received, {})) {
-                    commands += f[3] == 0xC0;
-                    frames.push_back(std::move(f));
-                }
-        }
-    }
-
-    std::deque<Gateway> all;
-    ano::TimePoint now{1h};
-    Frames reached;              // V7 frames, at the device
-    std::size_t commands = 0;    // that left a line with a host program
-};
-
-const Bytes unlock_of_host = frame(host, imu, 0xC0, {0x10, 0, 1});
-
-TEST(V7Gateways, in_a_ring_no_command_returns_to_its_gateway) {
-    for (const std::size_t number : {1u, 2u, 3u}) {
-        Gateways ring{number};
-        for (int i = 0; i < 5; ++i) {
-            ring.send(unlock_of_host, 0, [&](std::size_t at) { return (at + 1) % number; });
-            EXPECT_EQ(ring.commands, number - 1) << "the first one passes each gateway once, then the ring is known";
-            ring.now += i * 2s;
-        }
-        EXPECT_GT(ring.all[0].program.counters().up_loop, 0u);
-    }
-}
-
-TEST(V7Gateways, in_a_row_pass_each_command_once) {
-    Gateways row{3};
-    for (int i = 0; i < 5; ++i) {
-        row.send(unlock_of_host, 0, [&](std::size_t at) { return at + 1; });
-        row.now += 100ms;
-    }
-    EXPECT_EQ(std::count_if(row.reached.begin(), row.reached.end(), [](const Bytes& f) { return f[2] == 0xE0; }), 5);
-    for (const auto& gateway : row.all) EXPECT_EQ(drops(gateway.program.counters()) + drops(gateway.device.counters()), 0u);
-}
-
-// The line leads to another gateway, which a V8 line connects with this one.
-TEST(V7Gateways, a_line_whose_probe_returns_as_v8_passes_nothing) {
-    Gateways::Gateway a{1}, b{2};
-    const ano::TimePoint now{1h};
-    a.device.down(ano::FrameView{unlock_of_host}, now, a);
-    for (const Bytes& f : std::exchange(a.on_wire, {})) b.program.up(v7::FrameView{f}, now, b);
-    ASSERT_EQ(b.received.size(), 2u) << "the probe and the command";
-    for (const Bytes& f : b.received) a.device.down(ano::FrameView{f}, now, a);
-    EXPECT_TRUE(a.on_wire.empty());
-    EXPECT_EQ(a.device.counters().down_loop, 2u);
-    a.device.down(ano::FrameView{unlock_of_host}, now + V7EchoWatch::holds, a);
-    EXPECT_FALSE(a.on_wire.empty());
-}
 
 // --- Vectors
 

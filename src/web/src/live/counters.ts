@@ -12,8 +12,7 @@ const losses: ReadonlySet<string> = new Set([
   "superseded", "queue_full", "stale", "limited", "denied_out", "link_down", "too_big", "send_failed", "held_back",
   "kernel_drops", "refused", "transfer_errors", "bad_reports", "failed_reports", // of some kinds of links; wrong_source is already counted in denied_in
   "v7_up_no_counterpart", "v7_up_no_address", "v7_up_malformed", "v7_up_unrepresentable", "v7_up_unmatched",
-  "v7_up_echo", "v7_up_loop", "v7_up_command", "v7_up_own_sensor", "v7_up_erase", "v7_up_queue_full", "v7_down_loop",
-  "v7_down_other_device",
+  "v7_up_echo", "v7_up_loop", "v7_up_command", "v7_up_own_sensor", "v7_up_erase", "v7_up_queue_full", "v7_down_other_device",
   "v7_down_no_counterpart", "v7_down_own_sensor", "v7_down_erase", "v7_down_not_allowed", "v7_down_malformed", "v7_down_too_big",
   "v7_down_unrepresentable", "v7_down_unmatched", "v7_down_queue_full", // of links with protocol V7
   "faults_lost", "faults_unheard", // simulated; faults_corrupted is counted as bad_check at the receiver
