@@ -46,11 +46,12 @@ struct Draft {
     void add(const ClassSettings& of_id, Origin origin);
 };
 
-/// A path in the settings of a link, its key, and the place of the link.
+/// A path in the settings of a link, its key, the place of the link, and whether the link is enabled.
 struct NamedPath {
     LinkPath path;
     std::string_view key;
     Origin origin;
+    bool is_enabled;
 };
 /// The paths of all links that were read without errors.
 std::vector<NamedPath> paths_of_links(const Draft& draft);

@@ -386,7 +386,7 @@ std::vector<NamedPath> paths_of_links(const Draft& draft) {
     for (std::size_t i = 0; i < draft.settings.links.size(); ++i) {
         const LinkSettings& link = draft.settings.links[i];
         if (draft.links[i].broken || !link.kind->path) continue;
-        paths.push_back({link.kind->path(link), link.kind->address, draft.links[i]});
+        paths.push_back({link.kind->path(link), link.kind->address, draft.links[i], link.enabled});
     }
     return paths;
 }

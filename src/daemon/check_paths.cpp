@@ -78,7 +78,7 @@ void warn_of_interfaces(Draft& draft) {
     }
 }
 
-// The first of `all` before `i` that leads to the same device by another name; nullptr: none.
+// The first enabled one of `all` before `i` that leads to the same device by another name; nullptr: none.
 const NamedPath* same_device_before(const std::vector<NamedPath>& all, std::size_t i) {
     const auto device_at = [](const LinkPath& of) {
         std::error_code ec;
@@ -86,7 +86,7 @@ const NamedPath* same_device_before(const std::vector<NamedPath>& all, std::size
     };
     const fs::path device = device_at(all[i].path);
     for (std::size_t j = 0; j < i && !device.empty(); ++j)
-        if (all[j].path.path != all[i].path.path && device_at(all[j].path) == device) return &all[j];
+        if (all[j].is_enabled && all[j].path.path != all[i].path.path && device_at(all[j].path) == device) return &all[j];
     return nullptr;
 }
 
@@ -101,9 +101,9 @@ void warn_of_paths(Draft& draft) {
     warn_of_interfaces(draft);
     const std::vector<NamedPath> paths = paths_of_links(draft);
     for (std::size_t i = 0; i < paths.size(); ++i) {
-        const auto& [of, key, origin] = paths[i];
+        const auto& [of, key, origin, is_enabled] = paths[i];
         warn(draft, origin, key, of.path, of.is_made ? fault_of_pty(of.path) : fault_of_device(of));
-        if (const NamedPath* const same = same_device_before(paths, i))
+        if (const NamedPath* const same = is_enabled ? same_device_before(paths, i) : nullptr)
             warn(draft, origin, key, of.path,
                  "is the same device as " + in_quotes(same->path.path) + " of another link; only one link can open it");
     }

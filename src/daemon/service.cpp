@@ -84,7 +84,7 @@ bool is_for_service(const std::string& config_file, const std::string& default_f
 
 void check_for_service(Draft& draft, const std::string& config_file) {
     const ServiceFolders service{runtime_folder_for(config_file), draft};
-    for (const auto& [path, key, origin] : paths_of_links(draft)) {
+    for (const auto& [path, key, origin, is_enabled] : paths_of_links(draft)) {
         if (path.is_made) check_writable(path.path, key, origin.key(key), service.runtime, service);
         else check_port(path.path, origin.key(key), draft);
     }

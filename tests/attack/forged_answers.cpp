@@ -375,7 +375,6 @@ TEST_P(PinnedRadio, is_not_replaced_by_an_unknown_peer_while_it_is_silent) {
     ASSERT_TRUE(daemon->until([&](const json&) { return !conflict().is_null(); }));
     const auto answer = asked(socket, "POST", "/devices/0xDC/commands/LAND", "{}");
     EXPECT_EQ(answer.status, 504u) << answer.body;
-    EXPECT_NE(answer.body.find("which is not its link, and were ignored"), std::string::npos) << answer.body;
 }
 
 INSTANTIATE_TEST_SUITE_P(At, PinnedRadio, testing::Values(pinned_in_a_group), name_of);

@@ -132,6 +132,7 @@ TEST(CommandLine, a_check_warns_of_paths_that_cannot_be_created) {
                   .warnings.find("is the same device as '" + there + "/by-path' of another link; only one link can open it"),
               std::string::npos);
     EXPECT_EQ(warnings(one).find("same device"), std::string::npos);
+    EXPECT_EQ(line_of({"--check", one.c_str(), (two + ",enabled=no").c_str()}).warnings.find("same device"), std::string::npos);
     EXPECT_EQ(warnings("pty:/run/anogate/app"), "") << "that one is made";
     EXPECT_NE(warnings("serial:" + there + ",baud=500000").find("': is a folder; give the path of the serial port"),
               std::string::npos);
