@@ -4,6 +4,7 @@
 #include <support/settings.hpp>
 #include <support/tcp_peer.hpp>
 #include <support/udp_peer.hpp>
+#include <support/v7_vectors.hpp>
 #include <support/vendor_frames.hpp>
 #include <support/wait.hpp>
 
@@ -198,6 +199,35 @@ TEST_F(TcpStrangers, do_not_keep_a_restarted_device_from_its_place) {
     EXPECT_TRUE(until([&] { return before.is_closed(); }));
     EXPECT_FALSE(after.is_closed());
     EXPECT_EQ(channels("air"), 1u);
+}
+
+// Frames of V7 name no sender: the link knows it.
+TEST_F(TcpStrangers, do_not_keep_a_restarted_v7_device_from_its_place) {
+    start({"tcp-listen:10.0.0.1:0,name=air,max_peers=1,protocol=v7,v7_device=0xDD"});
+    const Bytes attitude = v7_frame(0xFF, 0x03, {1, 0, 2, 0, 3, 0, 1});
+    TcpPeer before = connect(10, "air");
+    before.send(attitude);
+    ASSERT_TRUE(until([&] { return daemon->count("air", "frames_in") == 1; }));
+    run_for(1100ms);    // it restarts without closing its connection
+    TcpPeer stranger = connect(11, "air");
+    stranger.send(attitude);
+    ASSERT_TRUE(until([&] { return daemon->count("air", "denied_in") == 1; }));
+    TcpPeer after = connect(10, "air");
+    after.send(attitude);
+    EXPECT_TRUE(until([&] { return before.is_closed() || daemon->count("air", "denied_in") > 1; }));
+    EXPECT_TRUE(before.is_closed());
+    EXPECT_FALSE(after.is_closed());
+    EXPECT_EQ(channels("air"), 1u);
+}
+
+TEST_F(TcpStrangers, that_hold_all_places_are_replaced_by_a_v7_host_program_that_commands) {
+    start({"tcp-listen:10.0.0.1:0,name=air,protocol=v7,v7_role=host,v7_device=0xDC"});
+    connect_strangers("air", 16, v7_frame(0xFF, 0xE1, {1, 0}));
+    ASSERT_TRUE(until([&] { return daemon->count("air", "denied_in") == 4; }));
+    TcpPeer pilot = connect(50, "air");
+    pilot.send(v7_frame(0xFF, 0xE0, {16, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0}));
+    EXPECT_TRUE(until([&] { return channels("air") == 13 || daemon->count("air", "denied_in") > 4; }));
+    EXPECT_EQ(channels("air"), 13u);
 }
 
 }    // namespace

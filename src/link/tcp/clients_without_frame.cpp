@@ -1,3 +1,4 @@
+#include <ano/address.hpp>
 #include <ano/v7.hpp>
 #include <gateway/peers/host_command.hpp>
 #include <link/tcp/clients_without_frame.hpp>
@@ -30,12 +31,26 @@ void add_unused(ReceiveCounters& sum, const Counters& counters, std::size_t pass
     sum.expired += counters.expired;
 }
 
+/// The source in V8 of a frame with this V7 id.
+std::uint8_t source_in_v8(const V7LinkSettings& v7, std::uint8_t id) {
+    for (const std::string& text : v7.sources)
+        if (const auto source = parse_v7_source(text); source && id >= source->first && id <= source->last)
+            return source->address;
+    return v7.role == V7Role::host ? ano::address::host : v7.device;
+}
+
+/// Whether a frame with this V7 id is a command of a host program: remote and realtime control, a waypoint, a command or a write.
+bool is_v7_command_of_host(const V7LinkSettings& v7, std::uint8_t id) {
+    return v7.role == V7Role::host && (id == 0x40 || id == 0x41 || id == 0x61 || id == 0xE0 || id == 0xE2);
+}
+
 }    // namespace
 
 struct ClientsWithoutFrame::One {
     One(ClientsWithoutFrame& all, const Endpoint& from)
         : peer{from}, socket{all.context_.io}, again{all.context_.alarms, [&all, this] { all.expire(*this); }} {
-        if (all.options_.v7) v7.emplace(ano::v7::FrameParser::Options{std::min(all.options_.parser.max_data, ano::v7::max_len)});
+        if (all.options_.v7.is_on())
+            v7.emplace(ano::v7::FrameParser::Options{std::min(all.options_.parser.max_data, ano::v7::max_len)});
         else v8.emplace(all.options_.parser);
     }
 
@@ -115,8 +130,13 @@ void ClientsWithoutFrame::expire(One& one) {
 // True: the connection does not wait any more.
 bool ClientsWithoutFrame::pass_on(One& one) {
     if (one.v7) {
-        while (const auto frame = one.v7->next())
-            if (try_to_admit(one, {.peer = one.peer, .tls = one.tls}, frame->bytes(), one.v7->rest())) return true;
+        while (const auto frame = one.v7->next()) {
+            Sender sender{.peer = one.peer,
+                          .tls = one.tls,
+                          .source = source_in_v8(options_.v7, frame->id()),
+                          .commands = is_v7_command_of_host(options_.v7, frame->id())};
+            if (try_to_admit(one, std::move(sender), frame->bytes(), one.v7->rest())) return true;
+        }
         return false;
     }
     while (const auto frame = one.v8->next()) {

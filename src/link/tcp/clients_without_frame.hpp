@@ -7,6 +7,7 @@
 #include <link/link_context.hpp>
 #include <link/refusals.hpp>
 #include <link/tcp/tls_context.hpp>
+#include <link/v7_settings.hpp>
 #include <sys/alarm.hpp>
 #include <sys/unique_fd.hpp>
 #include <sys/waiting_places.hpp>
@@ -29,12 +30,12 @@ public:
 
     struct Options {
         ano::FrameParser::Options parser{};
-        bool v7 = false;    // the frames are those of the previous protocol version
+        V7LinkSettings v7{};    // if they are on, the frames are those of the previous protocol version
     };
     struct Sender {
         Endpoint peer{};
         std::shared_ptr<TlsConnection> tls{};    // nullptr: not encrypted
-        std::optional<std::uint8_t> source{};    // of its frame; std::nullopt: unknown, since it uses V7
+        std::optional<std::uint8_t> source{};    // of its frame, in V8; std::nullopt: it has sent none
         bool commands = false;                   // its frame is a command of a host
         std::vector<std::uint8_t> bytes{};       // its frame, and what follows
     };

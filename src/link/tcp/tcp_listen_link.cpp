@@ -45,7 +45,7 @@ ClientsWithoutFrame::Options options_without_frame(const LinkSettings& link) {
     ClientsWithoutFrame::Options options;
     options.parser.max_data = link.max_data;
     if (link.frame_gap) options.parser.frame_gap = *link.frame_gap;
-    options.v7 = link.as<TcpListenSettings>().v7.is_on();
+    options.v7 = link.as<TcpListenSettings>().v7;
     return options;
 }
 
