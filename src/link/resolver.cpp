@@ -48,15 +48,16 @@ struct Resolver::Query {
     explicit Query(asio::io_context& io) : worker{io} {}
 
     BackgroundTask worker;
-    std::vector<IpAddress> addresses{};                 // the last answer
-    ano::TimePoint asked_at = ano::TimePoint::min();    // for that answer
+    std::vector<IpAddress> addresses{};                 // the last answer with any: also used while the name is not found
+    ano::TimePoint asked_at = ano::TimePoint::min();    // the last time
     ano::TimePoint wanted_at{};
     bool is_slow = false;    // the last time
     std::vector<std::pair<const void*, Done>> waiting{};
     std::vector<std::pair<const void*, Done>> called{};    // being called now
 
     // A call may cancel other requests, or make a new one.
-    void complete(const std::vector<IpAddress>& found, const std::string& fault) {
+    void complete(const std::string& fault) {
+        const std::vector<IpAddress> found = addresses;
         called = std::exchange(waiting, {});
         for (auto& one : called)
             if (const Done call = std::exchange(one.second, nullptr)) call(found, fault);
@@ -119,12 +120,12 @@ void Resolver::look_up(const std::string& host, Query& query) {
         answer->took = ano::Clock::now() - begin;
     };
     const bool runs = query.worker.run(work, [this, answer, &query](const std::string& broken) {
-        query.addresses = answer->addresses;
+        if (!answer->addresses.empty()) query.addresses = answer->addresses;
         query.is_slow = answer->took > slow;
-        query.complete(answer->addresses, broken.empty() ? answer->fault : broken);
+        query.complete(broken.empty() ? answer->fault : broken);
         look_up_next();
     });
-    if (!runs) query.complete({}, std::string{query.worker.why_not()});
+    if (!runs) query.complete(std::string{query.worker.why_not()});
 }
 
 void Resolver::cancel(const void* asker) noexcept {

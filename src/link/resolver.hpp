@@ -34,6 +34,7 @@ public:
     /// How long an answer is valid.
     ano::Duration kept_for() const noexcept { return kept_for_; }
     /// Calls `done` from the loop, or at once if the answer is known or no look-up is possible. `asker` identifies the caller.
+    /// While a name is not found, because its name server does not answer for example, its last addresses are valid.
     void resolve(const std::string& host, ano::TimePoint now, const void* asker, Done done);
     /// Cancels the requests of `asker`: their `done` is not called.
     void cancel(const void* asker) noexcept;

@@ -57,6 +57,28 @@ TEST_F(HostNames, an_unknown_name_is_reported_and_looked_up_again) {
     EXPECT_TRUE(daemon.until_up("fc"));
 }
 
+TEST_F(HostNames, a_name_keeps_its_last_addresses_while_it_is_not_found) {
+    hosts->set("127.0.0.2 fc.test\n");
+    BareLinkHost host{0s};
+    int answers = 0;
+    std::vector<anogate::IpAddress> last;
+    const auto look_up = [&] {
+        const int before = answers;
+        host.context().names.resolve("fc.test", host.now(), this,
+                                     [&](const auto& addresses, const auto&) { ++answers, last = addresses; });
+        return host.until([&] { return answers > before; });
+    };
+    ASSERT_TRUE(look_up());
+    ASSERT_EQ(last.size(), 1u);
+    hosts->set("127.0.0.1 localhost\n");
+    ASSERT_TRUE(look_up());
+    ASSERT_EQ(last.size(), 1u);
+    EXPECT_EQ(last.front().text(), "127.0.0.2");
+    hosts->set("127.0.0.3 fc.test\n");
+    ASSERT_TRUE(look_up());
+    EXPECT_EQ(last.front().text(), "127.0.0.3");
+}
+
 // A wire to which no address belongs: nothing is answered, and nothing is refused. Each address is in the file twice.
 TEST_F(HostNames, all_addresses_of_a_name_are_tried_even_if_many_do_not_answer) {
     const Namespace here, there;
