@@ -83,7 +83,11 @@ bool add_use(X509& certificate, const CertificateNames& names, const char* ends)
            add_extension(certificate, NID_subject_alt_name, alternative_names(names));
 }
 
-std::string subject_of(const CertificateNames& names) { return names.hosts.empty() ? "anogate" : names.hosts.front(); }
+// At most 64 characters are possible there; nobody checks it if there are alternative names, which are complete.
+std::string subject_of(const CertificateNames& names) {
+    constexpr std::size_t longest = 64;
+    return names.hosts.empty() ? "anogate" : names.hosts.front().substr(0, longest);
+}
 
 Expected<void> write_new(const std::string& path, BIO& text, mode_t mode) {
     char* bytes = nullptr;

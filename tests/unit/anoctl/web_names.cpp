@@ -93,12 +93,60 @@ TEST_F(Certificate, for_another_computer_says_which_files_to_copy_and_prints_its
         "certificate=/etc/anogate/vehicle2.example.pem,key=/etc/anogate/vehicle2.example-key.pem,ca=/etc/anogate/ca.pem\n";
     EXPECT_EQ(
         other.out.find("Copy vehicle2.example.pem, vehicle2.example-key.pem and ca.pem from " + into.substr(0, into.size() - 1) +
-                       " to /etc/anogate on vehicle2.example.\nLinks on vehicle2.example:\n    "
+                       " to /etc/anogate on vehicle2.example.\nIf the gateway there is a service, let it read the key, on "
+                       "vehicle2.example:\n    sudo chown anogate: /etc/anogate/vehicle2.example-key.pem\nLinks on "
+                       "vehicle2.example:\n    "
                        "tls-listen:0.0.0.0:12334," +
                        files + "    tls:"),
         0u)
         << other.out;
     EXPECT_NE(other.out.find(":12334," + files, other.out.find("    tls:")), std::string::npos) << other.out;
+}
+
+TEST_F(Certificate, for_another_computer_says_how_its_service_can_read_the_key) {
+    const auto made = make({"vehicle2"});
+    EXPECT_NE(made.out.find("sudo chown anogate: /etc/anogate/vehicle2-key.pem\n"), std::string::npos) << made.out;
+    const auto renewed = make({"vehicle2", "--renew"});
+    EXPECT_NE(renewed.out.find("sudo chown anogate: /etc/anogate/vehicle2-key.pem\n"), std::string::npos) << renewed.out;
+}
+
+TEST_F(Certificate, has_a_long_name_of_which_the_subject_is_a_part) {
+    const std::string name = std::string(40, 'a') + "." + std::string(40, 'b') + ".example";
+    const auto made = make({name});
+    EXPECT_EQ(made.exit, 0) << made.err;
+    const auto names = anogate::http::names_in(into + name + ".pem");
+    ASSERT_TRUE(names);
+    EXPECT_EQ(names->hosts, std::vector<std::string>{name});
+}
+
+TEST_F(Certificate, is_made_without_the_dot_at_the_end_of_a_name) {
+    EXPECT_EQ(make({"vehicle2.example."}).exit, 0);
+    EXPECT_TRUE(std::filesystem::exists(into + "vehicle2.example.pem"));
+    const auto names = anogate::http::names_in(into + "vehicle2.example.pem");
+    ASSERT_TRUE(names);
+    EXPECT_EQ(names->hosts, std::vector<std::string>{"vehicle2.example"});
+    EXPECT_EQ(make({"ca."}).exit, 2);
+}
+
+TEST_F(Certificate, is_not_made_for_what_is_no_address_of_one_computer) {
+    for (const char* name : {"0.0.0.0", "::", "224.0.0.1", "ff02::1", "255.255.255.255"}) {
+        const auto made = make({name});
+        EXPECT_EQ(made.exit, 2) << name;
+        EXPECT_NE(made.err.find("is not the address of one computer"), std::string::npos) << made.err;
+    }
+    const auto with_interface = make({"fe80::1%eth0"});
+    EXPECT_EQ(with_interface.exit, 2);
+    EXPECT_NE(with_interface.err.find("a certificate can't contain an interface: omit %eth0"), std::string::npos)
+        << with_interface.err;
+    EXPECT_TRUE(std::filesystem::is_empty(into));
+}
+
+TEST_F(Certificate, leaves_no_authority_behind_if_it_can_not_be_made) {
+    const std::string name(240, 'a');    // its files would have too long names
+    std::string labels = name;
+    for (std::size_t i = 60; i < labels.size(); i += 61) labels[i] = '.';
+    EXPECT_EQ(make({labels + ".example.org"}).exit, 1);
+    EXPECT_TRUE(std::filesystem::is_empty(into));
 }
 
 TEST_F(Certificate, is_not_made_for_an_empty_name) {
@@ -168,6 +216,12 @@ TEST_F(Certificate, needs_the_key_of_its_authority) {
     EXPECT_EQ(none.exit, 1);
     EXPECT_EQ(none.err.find("anoctl: authority not found: " + into + "ca.pem; "), 0u) << none.err;
     ASSERT_EQ(make({"vehicle"}).exit, 0);
+    std::filesystem::rename(into + "ca.pem", into + "moved");
+    const auto lost = make({"other"});
+    EXPECT_EQ(lost.exit, 1);
+    EXPECT_EQ(lost.err.find("anoctl: " + into + "ca-key.pem is here without its certificate ca.pem; copy ca.pem back"), 0u)
+        << lost.err;
+    std::filesystem::rename(into + "moved", into + "ca.pem");
     std::filesystem::remove(into + "ca-key.pem");
     const auto without = make({"other"});
     EXPECT_EQ(without.exit, 1);

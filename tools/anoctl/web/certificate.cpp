@@ -39,9 +39,9 @@ struct CertificateCommand {
     int run(Streams& streams) const {
         const Computer computer = this_computer();
         if (name && name->empty()) throw UsageError{"NAME is an empty name; for the certificate of this computer, omit it"};
-        const std::string whose = name.value_or(computer.name);
-        if (!anogate::is_host_name(whose) && !anogate::IpAddress::parse(whose))
-            throw UsageError{ano::in_quotes(whose) + " is not a host name or an IP address"};
+        std::string whose = name.value_or(computer.name);
+        if (whose.ends_with('.')) whose.pop_back();
+        check_name(whose);
         if (whose == "ca" || whose.ends_with("-key"))
             throw UsageError{"the files of " + ano::in_quotes(whose) +
                              " would have the names of other files: choose another name"};
@@ -50,11 +50,14 @@ struct CertificateCommand {
         const CertificateFiles made{folder / (whose + ".pem"), folder / (whose + "-key.pem")};
         const bool is_new = !fs::exists(authority.certificate), is_here = whose == computer.name;
         check(authority, made, is_new);
-        if (is_new) must(make_authority(name_of_authority(computer.name), authority));
         const bool has_key = fs::exists(made.key);
         CertificateNames names = is_here ? names_for(computer) : names_of_another(whose);
         if (renew) add_previous(names, made.certificate);
-        must(make_signed_certificate(names, made, authority, renew ? Existing::replaced : Existing::kept));
+        if (is_new) must(make_authority(name_of_authority(computer.name), authority));
+        const auto done = make_signed_certificate(names, made, authority, renew ? Existing::replaced : Existing::kept);
+        if (!done && is_new)
+            for (const std::string& file : {authority.certificate, authority.key}) ::unlink(file.c_str());
+        must(done);
         if (!has_key) set_service_owner(made.key);
         if (json) return print_json(authority, made, streams.out);
         if (is_new) print_authority(authority, streams.out);
@@ -65,6 +68,16 @@ struct CertificateCommand {
     }
 
 private:
+    static void check_name(const std::string& whose) {
+        const auto address = anogate::IpAddress::parse(whose);
+        const std::size_t percent = whose.find('%');
+        if (percent != whose.npos && anogate::IpAddress::parse(whose.substr(0, percent)))
+            throw UsageError{ano::in_quotes(whose) + ": a certificate can't contain an interface: omit " + whose.substr(percent)};
+        if (!address && !anogate::is_host_name(whose))
+            throw UsageError{ano::in_quotes(whose) + " is not a host name or an IP address"};
+        if (address && (address->is_any() || address->is_multicast() || anogate::is_broadcast(*address, {})))
+            throw UsageError{ano::in_quotes(whose) + " is not the address of one computer"};
+    }
     static fs::path folder_for(const std::string& given) {
         fs::path folder = fs::absolute(given).lexically_normal();
         if (!folder.has_filename() && folder.has_relative_path()) folder = folder.parent_path();    // removes a trailing slash
@@ -77,6 +90,10 @@ private:
         if (is_new && renew)
             throw Failure{"authority not found: " + authority.certificate +
                           "; run this command in its folder (--into), or without --renew to create a new authority"};
+        if (is_new && fs::exists(authority.key))
+            throw Failure{authority.key +
+                          " is here without its certificate ca.pem; copy ca.pem back from a computer that has it, "
+                          "or remove ca-key.pem to create a new authority for all computers"};
         if (renew && !fs::exists(made.certificate))
             throw Failure{made.certificate + " not found; to make a new certificate, omit --renew"};
         for (const std::string& file : {made.certificate, made.key})
@@ -143,14 +160,22 @@ private:
     }
     static void print_result_for(const std::string& other, const Computer& here, const fs::path& folder, std::ostream& out) {
         out << "Copy " << other << ".pem, " << other << "-key.pem and ca.pem from " << folder.string() << " to " << folder_there
-            << " on " << other << ".\nLinks on " << other << ":\n";
+            << " on " << other << ".\n";
+        print_chown(other, out);
+        out << "Links on " << other << ":\n";
         print_links(folder_there, other, here.name.empty() ? "HOST" : names_of(here).back(), out);
+    }
+    static void print_chown(const std::string& other, std::ostream& out) {
+        out << "If the gateway there is a service, let it read the key, on " << other
+            << ":\n    sudo chown anogate: " << folder_there << '/' << other << "-key.pem\n";
     }
     // `other`: the computer to which the certificate belongs; empty: this one.
     static void print_renewed(const CertificateFiles& made, const std::string& other, std::ostream& out) {
         out << made.certificate << ", " << made.key << ": the new certificate and its key\n";
         if (other.empty()) out << "Links use them for new connections. Reload the gateway if its page uses them: anoctl reload\n";
-        else out << "Copy both to " << other << ", over the previous ones. Links there use them for new connections.\n";
+        else
+            print_chown(other, out << "Copy both to " << other
+                                   << ", over the previous ones. Links there use them for new connections.\n");
     }
 };
 
