@@ -49,7 +49,8 @@ std::vector<OwnPort> own_ports(const Draft& draft) {
 // Without the hosts file, localhost is 127.0.0.1 for every resolver, and ::1 only for some.
 std::vector<IpAddress> addresses_of(const HostSpec& peer, const HostAddresses& names) {
     if (peer.host.empty()) return {peer.address};
-    const std::string name = in_lower_case(peer.host);
+    std::string name = in_lower_case(peer.host);
+    if (name.ends_with('.')) name.pop_back();
     const auto found = names.find(name);
     if (found != names.end()) return found->second;
     return name == "localhost" ? std::vector{IpAddress::v4(127, 0, 0, 1)} : std::vector<IpAddress>{};

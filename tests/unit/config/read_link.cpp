@@ -540,7 +540,7 @@ TEST(LinkText, tcp_and_udp_ports_are_separate_and_no_link_connects_to_this_gatew
     EXPECT_EQ(faults_of({"tcp-listen:0.0.0.0:5,name=port", "tcp:localhost:5,name=loop"}),
               "LINK 'tcp:localhost:5,name=loop': 'localhost:5' is this gateway itself: 'port' (LINK "
               "'tcp-listen:0.0.0.0:5,name=port') listens there\n");
-    for (const char* itself : {"tcp:127.0.0.1:5", "tcp:127.0.0.9:5", "tcp:localhost:5"})
+    for (const char* itself : {"tcp:127.0.0.1:5", "tcp:127.0.0.9:5", "tcp:localhost:5", "tcp:localhost.:5"})
         EXPECT_NE(faults_of({itself, "tcp-listen:0.0.0.0:5"}), "") << itself;
     for (const char* itself : {"tcp:127.0.0.1:5", "tcp:[::1]:5", "tcp:localhost:5"})
         EXPECT_NE(faults_of({itself, "tcp-listen:[::]:5"}), "") << itself << ": [::] accepts IPv4, too";
