@@ -51,6 +51,8 @@ public:
 
     /// The peer of `link` refuses datagrams, so that another link of its group should be used.
     virtual void report_unreachable(Link&) {}
+    /// Link::trouble() of a link that may be up: it is new and should be logged.
+    virtual void report_trouble(Link&, const LinkError&) {}
 
     /// The stored state of `link` from the previous run of the program; std::nullopt: none, or an earlier call returned it.
     virtual std::optional<StoredLink> claim_stored(const Link&) { return std::nullopt; }

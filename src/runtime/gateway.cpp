@@ -334,6 +334,11 @@ void Gateway::link_up(Link& link) {
     if (events_) events_->link_changed(s);
 }
 
+// Otherwise log_up() does it.
+void Gateway::report_trouble(Link& link, const LinkError& trouble) {
+    if (const LinkState& s = state(link); s.up && s.is_logged) log_warning("{}: {}", link.name(), trouble.text);
+}
+
 void Gateway::log_up(LinkState& s) {
     s.is_logged = true;
     log_info("{}: up", s.link->name());

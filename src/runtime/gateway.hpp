@@ -112,6 +112,7 @@ public:
     void link_up(Link& link) override;
     void link_down(Link& link, LinkError why) override;
     void report_unreachable(Link& link) override { forwarder_.report_unreachable(link.id()); }
+    void report_trouble(Link& link, const LinkError& trouble) override;
     std::optional<StoredLink> claim_stored(const Link& link) override;
     bool is_own_port(std::uint16_t port) const override;
     ChannelSet busy_channels() const override;

@@ -111,6 +111,21 @@ TEST_F(Tcp, a_lost_connection_is_reopened_without_old_waiting_or_partial_frames)
     EXPECT_TRUE(daemon->counters_add_up());
 }
 
+TEST_F(Tcp, a_peer_that_resets_each_connection_at_once_has_closed_it) {
+    TcpListener listener;
+    RunningGateway gateway{settings_of_texts({listener.link("fc")})};
+    const linger reset{1, 0};
+    for (int n = 0; n < 4; ++n) {
+        TcpPeer peer;
+        ASSERT_TRUE(gateway.until([&] { return listener.accept(peer); }));
+        ::setsockopt(peer.fd(), SOL_SOCKET, SO_LINGER, &reset, sizeof reset);
+        peer.close();
+        ASSERT_TRUE(gateway.until([&] { return gateway.link("fc").at("error") != ""; }));
+        EXPECT_EQ(gateway.link("fc").at("error"), listener.address() + " closed the connection");
+        EXPECT_EQ(gateway.link("fc").at("error_id"), "closed_by_peer");
+    }
+}
+
 TEST_F(Tcp, a_refused_connection_and_an_unknown_host_name_are_reported_and_retried) {
     std::optional<TcpListener> bridge{std::in_place};
     const std::string local = "127.0.0.1:" + std::to_string(bridge->port());

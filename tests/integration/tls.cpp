@@ -1,6 +1,8 @@
 // Encrypted links: accepted certificates, certificates that change, handshakes that never end, programs of other makers.
 #include <http/client/certificate.hpp>
+#include <link/tcp/tcp_keys.hpp>
 #include <link/tcp/tls_context.hpp>
+#include <support/early_certificate.hpp>
 #include <support/http.hpp>
 #include <support/key_updates.hpp>
 #include <support/leased_file.hpp>
@@ -21,6 +23,7 @@
 #include <array>
 #include <atomic>
 #include <csignal>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <memory>
@@ -397,6 +400,58 @@ TEST_F(Tls, files_that_become_unusable_are_reported_and_the_previous_ones_stay_i
     EXPECT_NE(error.find("stay in use until this is corrected"), std::string::npos) << error;
     std::filesystem::permissions(dir / "gateway-key.pem", std::filesystem::perms{0600});
     EXPECT_TRUE(ground->until([&] { return ground->link("l").at("error") == ""; }));
+}
+
+TEST_F(Tls, files_that_become_unusable_while_the_link_is_up_are_logged_once) {
+    LogLines log;
+    int lines = 0;
+    listen(ca());
+    const auto logged = [&] {
+        for (const std::string& line : log.pop_all()) lines += line.find("chmod o=") != line.npos;
+        return lines;
+    };
+    ground->run_for(300ms);
+    std::filesystem::permissions(dir / "gateway-key.pem", std::filesystem::perms{0644});
+    ASSERT_TRUE(ground->until([&] { return ground->link("l").at("error_id") == "certificate_unusable"; }));
+    EXPECT_TRUE(ground->until([&] { return logged() > 0; }));
+    ground->run_for(2500ms);    // the files are checked once a second
+    EXPECT_EQ(logged(), 1);
+}
+
+TEST_F(Tls, a_key_with_a_password_is_refused_with_the_command_that_removes_it) {
+    ASSERT_EQ(std::system(
+                  ("openssl pkey -aes256 -passout pass:secret -in " + (dir / "vehicle-key.pem") + " -out " + (dir / "locked.pem"))
+                      .c_str()),
+              0);
+    std::filesystem::permissions(dir / "locked.pem", std::filesystem::perms{0600});
+    const auto read = anogate::TlsContext::read({dir / "vehicle.pem", dir / "locked.pem", {}, {}},
+                                                anogate::TlsContext::Side::connects);
+    ASSERT_FALSE(read);
+    EXPECT_NE(read.error().text.find("has a password; remove it: openssl pkey -in "), std::string::npos) << read.error().text;
+}
+
+TEST_F(Tls, a_peer_that_does_not_use_tls_is_named_so) {
+    TcpListener plain;
+    air.emplace(loop, std::vector<std::string>{"tls:" + plain.address() + ",name=t" + pair("vehicle") + ca()});
+    TcpPeer peer;
+    ASSERT_TRUE(air->until([&] { return plain.accept(peer); }));
+    peer.send(vendor::i_am_an_mcu);
+    ASSERT_TRUE(air->until([&] { return !air->link("t").at("error").get<std::string>().empty(); }));
+    const std::string error = air->link("t").at("error");
+    EXPECT_NE(error.find("the other end does not use TLS"), std::string::npos) << error;
+}
+
+TEST_F(Tls, a_certificate_that_is_not_valid_yet_and_one_of_an_authority_are_reported) {
+    const auto fault_of = [&](const std::string& certificate, const std::string& key) {
+        const auto read = anogate::TlsContext::read({dir / certificate, dir / key, {}, {}}, anogate::TlsContext::Side::connects);
+        return read ? anogate::validity_trouble(**read).text : read.error().text;
+    };
+    EXPECT_EQ(fault_of("vehicle.pem", "vehicle-key.pem"), "");
+    EXPECT_NE(fault_of("ca.pem", "ca-key.pem").find("is the certificate of an authority"), std::string::npos)
+        << fault_of("ca.pem", "ca-key.pem");
+    ASSERT_TRUE(postpone_validity(dir / "vehicle.pem", dir / "vehicle-key.pem"));
+    EXPECT_NE(fault_of("vehicle.pem", "vehicle-key.pem").find("is not valid yet"), std::string::npos)
+        << fault_of("vehicle.pem", "vehicle-key.pem");
 }
 
 TEST_F(Tls, a_port_is_down_while_its_certificate_is_unusable) {

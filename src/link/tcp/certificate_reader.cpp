@@ -1,4 +1,5 @@
 #include <link/tcp/certificate_reader.hpp>
+#include <link/tcp/tcp_keys.hpp>
 
 #include <sys/stat.h>
 
@@ -38,8 +39,9 @@ struct CertificateReader::Result {
     Opened<std::shared_ptr<const TlsContext>> context{NotOpened{LinkError{}}};
 };
 
-CertificateReader::CertificateReader(const LinkContext& context, LinkCertificates files, TlsContext::Side side)
+CertificateReader::CertificateReader(const LinkContext& context, Link& link, LinkCertificates files, TlsContext::Side side)
     : context_{context},
+      link_{link},
       files_{std::move(files)},
       side_{side},
       task_{context.io},
@@ -86,10 +88,18 @@ void CertificateReader::finished(std::shared_ptr<const Result> result) {
     fault_ = last_->context ? std::string{} : last_->context.error().text;
     if (last_->context) in_use_ = *last_->context;
     check_.set(context_.host.now() + between_checks);
+    report();
     const Done done = std::exchange(done_, nullptr);
     if (!done) return;
     if (has_usable()) done({});
     else done(NotOpened{last_->context.error()});
+}
+
+void CertificateReader::report() {
+    const LinkError trouble = tls_trouble(*this);
+    if (trouble.text == reported_) return;
+    reported_ = trouble.text;
+    if (!reported_.empty()) context_.host.report_trouble(link_, trouble);
 }
 
 Opened<std::shared_ptr<TlsConnection>> CertificateReader::connection(int fd, const std::string& host) const {

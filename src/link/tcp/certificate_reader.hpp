@@ -22,7 +22,8 @@ public:
     static constexpr Duration between_checks = std::chrono::seconds{1};
     using Done = std::function<void(Opened<void> usable)>;
 
-    CertificateReader(const LinkContext& context, LinkCertificates files, TlsContext::Side side);
+    /// While `link` is up, trouble with its certificates is reported once when it appears.
+    CertificateReader(const LinkContext& context, Link& link, LinkCertificates files, TlsContext::Side side);
     ~CertificateReader();
     CertificateReader(const CertificateReader&) = delete;
     CertificateReader& operator=(const CertificateReader&) = delete;
@@ -37,6 +38,8 @@ public:
     /// The reason why the current files can't be used; empty: they can.
     const std::string& fault() const noexcept { return fault_; }
     bool has_usable() const noexcept { return in_use_ != nullptr; }
+    /// nullptr: none yet.
+    const TlsContext* in_use() const noexcept { return in_use_.get(); }
     /// As TlsContext::days_left(), of the files in use.
     std::optional<std::int64_t> days_left() const;
 
@@ -44,13 +47,16 @@ private:
     struct Result;
     void begin();
     void finished(std::shared_ptr<const Result> result);
+    void report();
 
     LinkContext context_;
+    Link& link_;
     LinkCertificates files_;
     TlsContext::Side side_;
     std::shared_ptr<const TlsContext> in_use_;    // nullptr: none yet
     std::shared_ptr<const Result> last_;          // of the last reading; nullptr: none yet
     std::string fault_;
+    std::string reported_;    // the last trouble; empty: there is none
     Done done_;
     BackgroundTask task_;
     Alarm check_;

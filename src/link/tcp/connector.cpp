@@ -14,6 +14,7 @@ namespace anogate {
 namespace {
 
 LinkError connect_failed(const std::string& peer, int error) {
+    if (error == ECONNRESET) return {"closed_by_peer", peer + " closed the connection", {{"peer", peer}}};
     if (error == ECONNREFUSED) return {"refused", "connection refused: nothing listens at " + peer, {{"peer", peer}}};
     if (error == ENETUNREACH || error == EHOSTUNREACH)
         return {"no_way", "can't connect to " + peer + ": " + error_text(error), {{"address", peer}}};

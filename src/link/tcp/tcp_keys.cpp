@@ -21,17 +21,22 @@ void check_pair(const LinkCertificates& files, LinkFaults& faults) {
     else faults.error("certificate", "'key' also needs 'certificate'");
 }
 
-LinkError expiry_trouble(std::optional<std::int64_t> days_left) {
+LinkError validity_trouble(const TlsContext& context) {
     constexpr std::int64_t soon = 14;
+    if (!context.is_valid_yet())
+        return {"tls", "the certificate of this link is not valid yet: check the clock of this computer, or replace it", {}};
+    const auto days_left = context.days_left();
     if (!days_left || *days_left > soon) return {};
     const std::string days = std::to_string(*days_left);
     if (*days_left < 0) return {"certificate_expires", "the certificate of this link has expired: replace it", {{"days", days}}};
-    return {"certificate_expires", "the certificate of this link expires in " + days + " days: replace it", {{"days", days}}};
+    return {"certificate_expires",
+            "the certificate of this link expires in " + days + (days == "1" ? " day" : " days") + ": replace it",
+            {{"days", days}}};
 }
 
 LinkError tls_trouble(const CertificateReader& certificates) {
     const std::string& fault = certificates.fault();
-    if (fault.empty()) return expiry_trouble(certificates.days_left());
+    if (fault.empty()) return certificates.in_use() ? validity_trouble(*certificates.in_use()) : LinkError{};
     if (!certificates.has_usable()) return {"tls", fault, {}};
     return {"certificate_unusable", fault + "; the previous certificates stay in use until this is corrected", {{"why", fault}}};
 }

@@ -21,9 +21,9 @@ inline constexpr std::string_view ca_help = "PEM file of the CA certificates to 
 void check_tcp_address(const EndpointSpec& address, LinkFaults& faults);
 /// An error if there is a certificate without a key, or a key without a certificate.
 void check_pair(const LinkCertificates& files, LinkFaults& faults);
-/// The error for a certificate that expires within 14 days or has expired; empty: neither.
-LinkError expiry_trouble(std::optional<std::int64_t> days_left);
-/// The error for files that can't be used, or as expiry_trouble(); empty: neither.
+/// The error for a certificate that is not valid yet, expires within 14 days or has expired; empty: none of them.
+LinkError validity_trouble(const TlsContext& context);
+/// The error for files that can't be used, or as validity_trouble(); empty: neither.
 LinkError tls_trouble(const CertificateReader& certificates);
 
 }    // namespace anogate

@@ -31,7 +31,7 @@ TcpLink::TcpLink(LinkId id, LinkSettings settings, const LinkContext& context)
                  },
                  Backoff::network} {
     if (this->settings().kind->encrypts)
-        certificates_ = std::make_unique<CertificateReader>(context, this->settings().as<TcpSettings>().tls,
+        certificates_ = std::make_unique<CertificateReader>(context, *this, this->settings().as<TcpSettings>().tls,
                                                             TlsContext::Side::connects);
     translate(this->settings().as<TcpSettings>().v7, this->settings());
 }

@@ -49,6 +49,10 @@ ClientsWithoutFrame::Options options_without_frame(const LinkSettings& link) {
     return options;
 }
 
+std::string connections_were(const std::string& count) {
+    return count + (count == "1" ? " connection was" : " connections were");
+}
+
 }    // namespace
 
 class TcpListenLink::Connection final : public TcpSession {
@@ -115,7 +119,7 @@ TcpListenLink::TcpListenLink(LinkId id, LinkSettings settings, const LinkContext
       accept_again_{context.alarms, [this] { accept_on(); }},
       silent_again_{context.alarms, [this] { admit_silent(); }} {
     if (!this->settings().kind->encrypts) return;
-    certificates_ = std::make_unique<CertificateReader>(context, this->settings().as<TcpListenSettings>().tls,
+    certificates_ = std::make_unique<CertificateReader>(context, *this, this->settings().as<TcpListenSettings>().tls,
                                                         TlsContext::Side::listens);
     handshakes_.emplace(
         context_, *certificates_,
@@ -385,17 +389,19 @@ LinkError TcpListenLink::trouble() const {
     const TimePoint now = context_.host.now();
     if (const std::string count = handshakes_ ? handshakes_->evicted().recent(now) : ""; !count.empty())
         return {"handshakes",
-                count + " connections were closed during the TLS handshake: unknown senders held all places for it",
+                connections_were(count) + " closed during the TLS handshake: unknown senders held all places for it",
                 {{"count", count}}};
     if (no_channel_.is_recent(now)) return all_channels_used();
     if (const std::string count = no_place_.recent(now); !count.empty())
         return {"no_place",
-                count + " connections or frames of new senders were refused: the limit of peers is reached",
+                count +
+                    (count == "1" ? " connection or frame of a new sender was" : " connections or frames of new senders were") +
+                    " refused: the limit of peers is reached",
                 {{"count", count}}};
     if (const std::string count = no_memory_.recent(now); !count.empty())
-        return {"no_memory", count + " connections were refused: not enough memory or file descriptors", {{"count", count}}};
+        return {"no_memory", connections_were(count) + " refused: not enough memory or file descriptors", {{"count", count}}};
     if (const std::string count = failed_handshakes_.recent(now); !count.empty())
-        return {"tls", count + " connections were refused, most recently: " + last_fault_, {}};
+        return {"tls", connections_were(count) + " refused, most recently: " + last_fault_, {}};
     if (outsiders_ == 0 || !connections_.empty()) return {};
     return {"sender_refused", "senders outside `allow` were refused", {}};
 }

@@ -34,6 +34,9 @@ using Context = std::unique_ptr<SSL_CTX, void (*)(SSL_CTX*)>;
 std::string openssl_fault() {
     const unsigned long error = ::ERR_get_error();
     ::ERR_clear_error();
+    const int number = ERR_GET_LIB(error) == ERR_LIB_SSL ? ERR_GET_REASON(error) : 0;
+    if (number == SSL_R_WRONG_VERSION_NUMBER || number == SSL_R_HTTP_REQUEST || number == SSL_R_HTTPS_PROXY_REQUEST)
+        return "the other end does not use TLS";
     const char* const reason = error == 0 ? nullptr : ::ERR_reason_error_string(error);
     return reason ? reason : "TLS failed";
 }
@@ -41,7 +44,10 @@ std::string openssl_fault() {
 // OpenSSL does not report why a file can't be read, and would block on a pipe.
 std::string fault_of_file(const std::string& file, bool is_secret) {
     struct stat facts {};
-    if (::access(file.c_str(), R_OK) != 0 || ::stat(file.c_str(), &facts) != 0) return error_text(file, errno);
+    if (::access(file.c_str(), R_OK) != 0 || ::stat(file.c_str(), &facts) != 0) {
+        const bool is_closed = errno == EACCES && is_secret;
+        return error_text(file, errno) + (is_closed ? "; for the service, run sudo chown anogate: " + file : "");
+    }
     if (!S_ISREG(facts.st_mode)) return file + ": is not a file";
     const bool is_open = is_secret && (facts.st_mode & S_IRWXO) != 0;
     return is_open ? file + ": every user of this computer can read it; run chmod o= " + file : "";
@@ -66,11 +72,35 @@ bool has_authority(SSL_CTX* context) {
     return false;
 }
 
+// Never asks for a password at the terminal.
+std::string use_key(SSL_CTX* context, const std::string& file) {
+    if (file.empty()) return {};
+    bool has_password = false;
+    ::SSL_CTX_set_default_passwd_cb_userdata(context, &has_password);
+    ::SSL_CTX_set_default_passwd_cb(context, [](char*, int, int, void* asked) {
+        *static_cast<bool*>(asked) = true;
+        return 0;
+    });
+    const bool is_used = ::SSL_CTX_use_PrivateKey_file(context, file.c_str(), SSL_FILETYPE_PEM) == 1;
+    ::SSL_CTX_set_default_passwd_cb(context, nullptr);
+    ::SSL_CTX_set_default_passwd_cb_userdata(context, nullptr);
+    if (is_used) return {};
+    return has_password ? "it has a password; remove it: openssl pkey -in " + file + " -out NEW_FILE" : openssl_fault();
+}
+
+// Others refuse it: its key is for signing certificates only.
+bool is_only_for_signing(SSL_CTX* context) {
+    constexpr std::uint32_t of_connections = KU_DIGITAL_SIGNATURE | KU_KEY_ENCIPHERMENT | KU_KEY_AGREEMENT;
+    return (::X509_get_key_usage(::SSL_CTX_get0_certificate(context)) & of_connections) == 0;
+}
+
 std::string use_files(SSL_CTX* context, const LinkCertificates& files) {
     if (!files.certificate.empty() && ::SSL_CTX_use_certificate_chain_file(context, files.certificate.c_str()) != 1)
         return files.certificate + ": " + openssl_fault();
-    if (!files.key.empty() && ::SSL_CTX_use_PrivateKey_file(context, files.key.c_str(), SSL_FILETYPE_PEM) != 1)
-        return files.key + ": " + openssl_fault();
+    if (!files.certificate.empty() && is_only_for_signing(context))
+        return files.certificate +
+               ": is the certificate of an authority, which others refuse; use one made by 'anoctl certificate'";
+    if (const std::string fault = use_key(context, files.key); !fault.empty()) return files.key + ": " + fault;
     if (!files.ca.empty() && ::SSL_CTX_load_verify_file(context, files.ca.c_str()) != 1) return files.ca + ": " + openssl_fault();
     if (files.ca.empty()) ::SSL_CTX_set_default_verify_paths(context);
     else if (!has_authority(context))
@@ -235,7 +265,6 @@ Opened<std::shared_ptr<const TlsContext>> TlsContext::read(const LinkCertificate
     ::SSL_CTX_set_options(context, SSL_OP_NO_COMPRESSION | SSL_OP_NO_RENEGOTIATION | SSL_OP_IGNORE_UNEXPECTED_EOF);
     ::SSL_CTX_clear_mode(context, SSL_MODE_AUTO_RETRY);    // SSL_read() returns after each record
     ::SSL_CTX_set_mode(context, SSL_MODE_ENABLE_PARTIAL_WRITE | SSL_MODE_ACCEPT_MOVING_WRITE_BUFFER | SSL_MODE_RELEASE_BUFFERS);
-    ::SSL_CTX_set_default_passwd_cb(context, [](char*, int, int, void*) { return 0; });    // never prompts at the terminal
     const int verify = files.verify == TlsVerify::peer ? SSL_VERIFY_PEER | SSL_VERIFY_FAIL_IF_NO_PEER_CERT : SSL_VERIFY_NONE;
     ::SSL_CTX_set_verify(context, verify, nullptr);
     const std::array<unsigned char, 8> id{'a', 'n', 'o', 'g', 'a', 't', 'e', 0};
@@ -277,6 +306,11 @@ std::optional<std::int64_t> TlsContext::days_left() const {
     int days = 0, seconds = 0;
     if (!certificate || ::ASN1_TIME_diff(&days, &seconds, nullptr, ::X509_get0_notAfter(certificate)) != 1) return std::nullopt;
     return days < 0 || seconds < 0 ? days - 1 : days;
+}
+
+bool TlsContext::is_valid_yet() const {
+    const X509* const certificate = ::SSL_CTX_get0_certificate(parts_->context.get());
+    return !certificate || ::X509_cmp_current_time(::X509_get0_notBefore(certificate)) <= 0;
 }
 
 }    // namespace anogate

@@ -59,6 +59,8 @@ public:
     Opened<std::shared_ptr<TlsConnection>> connection(int fd, const std::string& host) const;
     /// Full days until our certificate expires, negative if it has expired; std::nullopt: no certificate.
     std::optional<std::int64_t> days_left() const;
+    /// False: the validity of our certificate begins later.
+    bool is_valid_yet() const;
 
 private:
     struct Parts;
