@@ -165,12 +165,12 @@ constexpr std::array file_kinds{
     FileKind{"ustar", "this is a tar file; unpack it first: tar -xf FILE.tar", 257},
 };
 
-// Whether c is a character of a text file: printable, or one that a terminal obeys (\a \b \t \n \v \f \r ESC). Bytes from 0x80 on
+// Whether c is a character of a text file: printable, or one that a terminal obeys (\b \t \n \v \f \r ESC). Bytes from 0x80 on
 // may be UTF-8 or GBK, neither of which uses 0xFF.
 bool is_printed(char c) {
     const auto byte = static_cast<unsigned char>(c);
     constexpr unsigned char space = 0x20, del = 0x7F;
-    return (byte >= space && byte != del && c != erased) || (c >= '\a' && c <= '\r') || c == '\x1B';
+    return (byte >= space && byte != del && c != erased) || (c >= '\b' && c <= '\r') || c == '\x1B';
 }
 
 /// A web form (multipart/form-data): a boundary, and the header of a part.

@@ -1,6 +1,7 @@
 #include <anoctl/device/refused_lengths.hpp>
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 namespace refused_lengths_tests {
 namespace {
