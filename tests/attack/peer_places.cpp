@@ -127,12 +127,13 @@ TEST_F(Strangers, with_the_address_of_an_operator_block_none_of_its_commands) {
         if (is_trusted) link.as<anogate::UdpListenSettings>().trusted = {*anogate::Network::parse("10.0.0.40/32")};
         start(link);
         for (int i = 0; i < 4; ++i) stranger(40).send(to(), vendor::who_are_you);
-        ASSERT_TRUE(until([&] { return places() == 4; }));
+        ASSERT_TRUE(until([&] { return places() == 3 && daemon->count("ground", "denied_in") == 1; }));
         std::this_thread::sleep_for(anogate::PeerBook::exchange);
         for (const auto& peer : peers) peer->send(to(), vendor::who_are_you);
-        ASSERT_TRUE(until([&] { return daemon->count("ground", "frames_in") == 8; }));
+        ASSERT_TRUE(until([&] { return daemon->count("ground", "frames_in") + daemon->count("ground", "denied_in") == 8; }));
         fc->forget();
         EXPECT_EQ(seven_commands(stranger(40)), 7u) << is_trusted;
+        EXPECT_EQ(places(), 4u);
         EXPECT_TRUE(daemon->counters_add_up());
         peers.clear();
         TearDown();

@@ -86,9 +86,10 @@ public:
     /// - If places are reserved, a host that sends a command gets one, unless all turns are used. Of the two peers that sent
     ///   commands and joined last, it replaces the one that commands less often (the time between its last two commands, or since
     ///   the last, is longer), else the newest. Many such hosts take turns, one that commands more often stays, as do older ones.
-    /// - A trusted one replaces one that is not trusted in the same way, but first those that sent no command.
-    /// - If its address has max_of_address places, one that commands or is trusted replaces peers of that address in this way.
-    Place place_for(const Endpoint& stranger, TimePoint now, Rank rank = Rank::ordinary);
+    /// - If places are reserved, one of max_of_address is too, and if none is free a host that sends a command replaces one of its
+    ///   address that does, in the same way.
+    /// `commands`: it sends a command, which Rank::commands implies.
+    Place place_for(const Endpoint& stranger, TimePoint now, Rank rank = Rank::ordinary, bool commands = false);
 
     /// `near`: it is in a network of our interfaces. It counts as received at `now`, since its first frame may be reported a
     /// little later.
@@ -169,9 +170,10 @@ private:
     bool has_free_place(Rank rank) const noexcept;
     bool may_be_evicted(const Peer& p, Rank to) const noexcept;
     static bool leaves_before(const Peer& a, const Peer& b) noexcept;
-    /// By a host that commands, or is trusted. `of`: only peers of this address; nullptr: any.
-    std::optional<ChannelId> replaced_by_rank(Rank rank, const IpAddress* of, TimePoint now) const noexcept;
-    std::optional<ChannelId> replaced_by_command(ChannelSet commanding, TimePoint now) const noexcept;
+    static bool has_commanded(const Peer& p) noexcept { return p.rank == Rank::commands || p.commanded_at != TimePoint{}; }
+    std::size_t kept_of_address(const IpAddress& address) const noexcept;
+    /// `of`: of this address; nullptr: of those that are not trusted.
+    std::optional<ChannelId> replaced_by_command(Rank rank, const IpAddress* of, TimePoint now) const noexcept;
     bool takes_turn(TimePoint now) noexcept;
     void remember_displaced(const Peer& p) noexcept;
     std::size_t count(Rank at_least) const noexcept;

@@ -6,11 +6,12 @@
 
 namespace anogate {
 
-PeerBook::Place PeerBook::place_for(const Endpoint& stranger, TimePoint now, Rank rank) {
+PeerBook::Place PeerBook::place_for(const Endpoint& stranger, TimePoint now, Rank rank, bool commands) {
     const IpAddress& address = stranger.address;
     const bool local = address.is_loopback();
     const std::size_t of_address = places_of(address, rank);
-    const bool address_full = !local && of_address >= options_.max_of_address;
+    commands = commands || rank == Rank::commands;
+    const bool address_full = !local && of_address + (commands ? 0 : kept_of_address(address)) >= options_.max_of_address;
     if (!address_full && has_free_place(rank)) return {true, std::nullopt};
 
     const bool again = keeps_retrying(stranger, now);
@@ -26,9 +27,9 @@ PeerBook::Place PeerBook::place_for(const Endpoint& stranger, TimePoint now, Ran
         if (!is_evictable && !is_of_us && !late.contains(id)) continue;
         if (!replaced || leaves_before(p, peer(*replaced))) replaced = id;
     }
-    if (!replaced && rank != Rank::ordinary) {
-        const auto by_rank = replaced_by_rank(rank, address_full ? &address : nullptr, now);
-        if (by_rank && takes_turn(now)) replaced = by_rank;
+    if (!replaced && commands && options_.kept > 0) {
+        const auto by_command = replaced_by_command(rank, address_full ? &address : nullptr, now);
+        if (by_command && takes_turn(now)) replaced = by_command;
     }
     return {replaced.has_value(), replaced};
 }
@@ -38,28 +39,23 @@ bool PeerBook::leaves_before(const Peer& a, const Peer& b) noexcept {
     return std::pair{a.has_returned, a.heard_at} < std::pair{b.has_returned, b.heard_at};
 }
 
-std::optional<ChannelId> PeerBook::replaced_by_rank(Rank rank, const IpAddress* of, TimePoint now) const noexcept {
-    if (!of && rank == Rank::commands && options_.kept == 0) return std::nullopt;
-    ChannelSet commanding;
-    std::optional<ChannelId> other;
-    for (const ChannelId id : used_) {
-        const Peer& p = peer(id);
-        const bool may_leave = of                      ? p.rank <= rank && is_same_party(p.endpoint.address, *of, rank)
-                               : rank == Rank::trusted ? p.rank < rank
-                                                       : p.rank == rank;
-        if (!may_leave) continue;
-        if (p.rank == Rank::commands || p.commanded_at != TimePoint{}) commanding.insert(id);
-        else if (!other || leaves_before(p, peer(*other))) other = id;
-    }
-    return other ? other : replaced_by_command(commanding, now);
+// One place of an address, if no host there commands: others do not use it.
+std::size_t PeerBook::kept_of_address(const IpAddress& address) const noexcept {
+    if (options_.kept == 0 || options_.max_of_address < 2) return 0;
+    for (const ChannelId id : used_)
+        if (has_commanded(peer(id)) && peer(id).endpoint.address == address) return 0;
+    return 1;
 }
 
-std::optional<ChannelId> PeerBook::replaced_by_command(ChannelSet commanding, TimePoint now) const noexcept {
+std::optional<ChannelId> PeerBook::replaced_by_command(Rank rank, const IpAddress* of, TimePoint now) const noexcept {
     std::optional<ChannelId> last, before;    // of those that joined
     const auto joined_later = [&](ChannelId id, const std::optional<ChannelId>& than) {
         return !than || peer(id).exchange_began >= peer(*than).exchange_began;
     };
-    for (const ChannelId id : commanding) {
+    for (const ChannelId id : used_) {
+        const Peer& p = peer(id);
+        const bool may_leave = of ? p.rank <= rank && p.endpoint.address == *of : p.rank == Rank::commands;
+        if (!may_leave || !has_commanded(p)) continue;
         if (joined_later(id, last)) before = std::exchange(last, id);
         else if (joined_later(id, before)) before = id;
     }
@@ -207,7 +203,7 @@ bool PeerBook::refused(ChannelId id, TimePoint now) noexcept {
 std::optional<ChannelId> PeerBook::longest_silent(Rank to, TimePoint now) const noexcept {
     std::optional<ChannelId> longest;
     for (const ChannelId id : to == Rank::ordinary ? overdue(now) : used_)
-        if (peer(id).rank == Rank::ordinary && (!longest || peer(id).heard_at < peer(*longest).heard_at)) longest = id;
+        if (peer(id).rank == Rank::ordinary && (!longest || leaves_before(peer(id), peer(*longest)))) longest = id;
     return longest;
 }
 

@@ -262,7 +262,7 @@ void TcpListenLink::begin(int fd, const ClientsWithoutFrame::Sender& sender, Cha
 }
 
 bool TcpListenLink::make_place(const ClientsWithoutFrame::Sender& sender, PeerBook::Rank rank, TimePoint now) {
-    const PeerBook::Place place = book_.place_for(sender.peer, now, rank);
+    const PeerBook::Place place = book_.place_for(sender.peer, now, rank, sender.commands);
     if (place.free && !place.evicted) return true;
     Connection* leaves = former_of(sender, rank, now);
     if (!leaves && place.evicted) leaves = connection_of(*place.evicted);

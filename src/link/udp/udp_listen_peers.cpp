@@ -29,7 +29,7 @@ void UdpListenLink::restore_peers(std::vector<StoredPeer> peers, TimePoint now) 
     for (const StoredPeer& stored : peers) {
         if (find(stored.endpoint) || !allowed(stored.endpoint, now) || !can_be_peer(stored.endpoint, now)) continue;
         const PeerBook::Rank rank = rank_of(stored.endpoint, stored.memory.commands);
-        const PeerBook::Place place = book_.place_for(stored.endpoint, now, rank);
+        const PeerBook::Place place = book_.place_for(stored.endpoint, now, rank, stored.memory.commands);
         if (!place.free || place.evicted) continue;
         Peer* const peer = make_peer(stored.endpoint, now, rank);
         if (!peer) return;
@@ -68,7 +68,7 @@ UdpListenLink::Peer* UdpListenLink::admit(const Endpoint& endpoint, std::span<co
         return nullptr;
     }
     const PeerBook::Rank rank = rank_of(endpoint, commands);
-    const PeerBook::Place place = book_.place_for(endpoint, now, rank);
+    const PeerBook::Place place = book_.place_for(endpoint, now, rank, commands);
     if (!place.free) {
         ++no_place_;
         return refuse(datagram), nullptr;

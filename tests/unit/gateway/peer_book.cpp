@@ -414,45 +414,44 @@ TEST(PeerBook, a_flood_of_commanding_hosts_costs_little) {
 }
 
 // As with forged sources, or several computers behind one router.
-TEST(PeerBook, an_operator_gets_a_place_although_others_hold_all_those_of_its_address) {
+TEST(PeerBook, one_place_of_an_address_is_kept_for_a_host_that_commands) {
     using enum PeerBook::Rank;
-    for (const PeerBook::Rank rank : {commands, trusted}) {
-        Book book{PeerBook::Options{60s, 16, 2, 4, 2}};
-        const PeerBook::Rank of_others = rank == trusted ? trusted : ordinary;
-        book.join_once(a, at("10.0.0.60:1"), host, start, of_others);
-        book.join_once(b, at("10.0.0.60:2"), host, start + 1s, of_others);
+    for (const PeerBook::Rank rank : {ordinary, trusted}) {
+        Book book{PeerBook::Options{60s, 16, 3, 4, 2}};
+        book.join_once(a, at("10.0.0.60:1"), host, start, rank);
+        book.join_once(b, at("10.0.0.60:2"), host, start, rank);
         const TimePoint now = start + 5s;
         for (const ChannelId id : {a, b}) book.heard(id, host, now);
-        EXPECT_FALSE(book.place_for(at("10.0.0.60:3"), now).free) << "not for one that listens";
-        ASSERT_EQ(book.place_for(at("10.0.0.60:3"), now, rank).evicted, a);
-        book.remove(a);
-        book.join_once(a, at("10.0.0.60:3"), host, now, rank);
-        book.commanded(a, now);
-        EXPECT_EQ(book.place_for(at("10.0.0.60:4"), now, rank).evicted, b) << "one that sent no command";
-        book.commanded(b, now);
-        book.commanded(a, now + 1s);
-        book.heard(a, host, now + 1s);
-        EXPECT_EQ(book.place_for(at("10.0.0.60:4"), now + 2s, rank).evicted, b) << "one that commands less often";
+        EXPECT_FALSE(book.place_for(at("10.0.0.60:3"), now, rank).free) << "not for one that listens";
+        const PeerBook::Rank of_operator = std::max(rank, commands);
+        const auto place = book.place_for(at("10.0.0.60:4"), now, of_operator, true);
+        EXPECT_TRUE(place.free && !place.evicted);
+        book.join_once(c, at("10.0.0.60:4"), host, now, of_operator);
+        book.commanded(c, now);
+        book.heard(c, host, now + 1s);
+        EXPECT_EQ(book.place_for(at("10.0.0.60:5"), now + 1s, of_operator, true).evicted, c) << "the devices there stay";
+        book.commanded(a, now + 2s);
+        book.commanded(a, now + 3s);
+        EXPECT_EQ(book.place_for(at("10.0.0.60:6"), now + 3s, of_operator, true).evicted, c) << "it commands less often";
     }
 }
 
-TEST(PeerBook, a_trusted_host_replaces_one_that_is_not_trusted_although_it_is_active) {
+TEST(PeerBook, a_trusted_host_that_commands_replaces_one_that_is_not_trusted_and_no_device) {
     using enum PeerBook::Rank;
-    Book book{PeerBook::Options{60s, 3, 3, 1, 1}};
-    book.join_once(a, phone, host, start, commands);
+    Book book{PeerBook::Options{60s, 4, 4, 1, 1}};
+    book.join(a, phone, device, start);
     book.join_once(b, laptop, host, start, commands);
     book.join_once(c, at("10.0.0.1:1"), host, start, trusted);
-    for (const ChannelId id : {a, b, c}) book.heard(id, host, start + 5s);
-    ASSERT_EQ(book.place_for(at("10.0.0.2:1"), start + 5s, trusted).evicted, b);
+    book.join_once(d, at("10.0.0.2:1"), host, start, commands);
+    for (const ChannelId id : {a, b, c, d}) book.heard(id, host, start + 5s);
+    EXPECT_FALSE(book.place_for(at("10.0.0.3:1"), start + 5s, trusted).free) << "its source may be forged";
+    ASSERT_EQ(book.place_for(at("10.0.0.4:1"), start + 5s, trusted, true).evicted, d);
+    book.remove(d);
+    book.join_once(d, at("10.0.0.4:1"), host, start + 5s, trusted);
+    ASSERT_EQ(book.place_for(at("10.0.0.5:1"), start + 5s, trusted, true).evicted, b);
     book.remove(b);
-    book.join_once(b, at("10.0.0.2:1"), host, start + 5s, trusted);
-    EXPECT_EQ(book.place_for(at("10.0.0.3:1"), start + 5s, trusted).evicted, a);
-    book.remove(a);
-    book.join(a, phone, device, start + 5s);
-    EXPECT_EQ(book.place_for(at("10.0.0.3:1"), start + 6s, trusted).evicted, a) << "also one that sends telemetry";
-    book.remove(a);
-    book.join_once(a, at("10.0.0.3:1"), host, start + 6s, trusted);
-    EXPECT_FALSE(book.place_for(at("10.0.0.4:1"), start + 7s, trusted).free);
+    book.join_once(b, at("10.0.0.5:1"), host, start + 5s, trusted);
+    EXPECT_FALSE(book.place_for(at("10.0.0.6:1"), start + 5s, trusted, true).free);
 }
 
 // Strangers send commands five times a second, simultaneously or one after the other, also at the same time as the operator.
