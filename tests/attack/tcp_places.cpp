@@ -109,7 +109,7 @@ TEST_F(TcpStrangers, that_send_nothing_use_at_most_half_of_the_channels) {
 }
 
 TEST_F(TcpStrangers, that_hold_all_channels_leave_one_to_a_trusted_host_and_one_that_commands) {
-    const std::string air = "tcp-listen:10.0.0.1:0,max_peers=64,max_per_address=4,name=";
+    const std::string air = "tcp-listen:10.0.0.1:0,max_peers=64,max_per_address=5,name=";
     start({air + "air", air + "more", "udp-listen:0.0.0.0:0,trusted=10.0.0.2/32,name=ground"});
     connect_strangers("air", 48, asks);
     connect_strangers("more", 16, asks, 30);
@@ -143,11 +143,11 @@ TEST_F(TcpStrangers, with_many_addresses_of_an_ipv6_network_count_as_one) {
         peers.push_back(connect("[fd00::" + std::to_string(10 + i) + "]", to));
         peers.back().send(asks);
     }
-    ASSERT_TRUE(until([&] { return daemon->count("air", "denied_in") == 12; }));
-    EXPECT_EQ(channels("air"), 4u);
+    ASSERT_TRUE(until([&] { return daemon->count("air", "denied_in") == 13; }));
+    EXPECT_EQ(channels("air"), 3u);
     TcpPeer pilot = connect("[fd00::29]", to);
     pilot.send(commands);
-    EXPECT_TRUE(until([&] { return channels("air") == 5; }));
+    EXPECT_TRUE(until([&] { return channels("air") == 4; }));
 }
 
 TEST_F(TcpStrangers, that_hold_all_places_for_silent_connections_are_replaced_by_a_host_that_commands) {
