@@ -182,8 +182,10 @@ Hint trouble_in(const LinkFigures& link, bool with_details) {
     const auto garbled_time = garbled_for(link);
     const std::uint64_t refused = in.bad_check + in.bad_length + in.expired;
     const bool finds_none = in.frames_in == 0 || garbled_time;
-    const Hint above_max_data{"above_max_data", "frames longer than max_data are refused: raise max_data on this link"};
-    if (finds_none && link.long_images >= enough_images) return above_max_data;
+    const auto above_max_data = [] {
+        return Hint{"above_max_data", "frames longer than max_data are refused: raise max_data on this link"};
+    };
+    if (finds_none && link.long_images >= enough_images) return above_max_data();
     if (in.skipped_bytes >= enough_bytes &&
         (finds_none || (refused >= enough_frames && refused * 10 > in.frames_in && !repaired)))
         if (Hint hint = wrong_frames(link, with_details); !hint.id.empty() && (finds_none || hint.id != "text")) return hint;
@@ -192,7 +194,7 @@ Hint trouble_in(const LinkFigures& link, bool with_details) {
     if (garbled_time) return garbled(link, *garbled_time, with_details);
     const bool too_long = in.frames_in == 0 ? in.bad_length > 0 && in.bad_length >= in.bad_check
                                             : in.bad_length >= enough_long && in.bad_check == 0;
-    if (too_long) return above_max_data;
+    if (too_long) return above_max_data();
     if (link.gateways > 0)
         return {"other_gateway",
                 "a listening port of another gateway was refused: to connect two gateways, configure a udp: link to the other on "
