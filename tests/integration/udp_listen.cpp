@@ -539,7 +539,8 @@ TEST(UdpListenLink, works_despite_thousands_of_unknown_senders) {
         if (i % 16 == 0) daemon.io().poll();
     }
     steady.send(port, vendor::who_are_you);
-    EXPECT_TRUE(daemon.until([&] { return daemon.count("ground", "frames_in") > 4750; }));
+    // The kernel gives some ports a second time: if that is a second later, the program counts as one that sent again, and stays.
+    EXPECT_TRUE(daemon.until([&] { return daemon.count("ground", "frames_in") + daemon.count("ground", "denied_in") > 4750; }));
     EXPECT_EQ(peers(daemon), 3u) << "one place is kept for a host that sends commands";
     EXPECT_TRUE(daemon.counters_add_up());
 }
