@@ -406,7 +406,8 @@ void Device::expire(TimePoint now) {
     }
 }
 
-// It was sent while no flush was allowed, so the parser may have swallowed it. Nobody exchanges a device within a second.
+// It was sent while no flush was allowed, so the parser may have swallowed it; and the device was heard too recently to be another
+// one.
 bool Device::may_be_swallowed(const Exchange& exchange, TimePoint now) const noexcept {
     return exchange.last_sent() < no_flush_before_ && heard_at_ && now - *heard_at_ < between_flushes;
 }

@@ -46,8 +46,8 @@ ano::Encoding encoding_of(TextEncoding encoding) {
 // Whether `name` is a file of keep() for devices: a note, or alarm limits.
 bool is_kept_name(std::string_view name) { return is_note(name) || address_of_limits_file(name); }
 
-// Whether it is the unfinished state of any configuration, for the file of one that does not start again. Another gateway of this user
-// may write such a file now, which takes less than a minute.
+// Whether it is an unfinished state file, also of another configuration. One younger than a minute may be that of another gateway,
+// which is writing it now.
 bool is_abandoned(const std::filesystem::path& file, std::string_view name) {
     constexpr std::string_view states[] = {"flexible-", "parameters-", "unconfirmed-"};    // kept_path()
     if (std::none_of(std::begin(states), std::end(states), [&](std::string_view state) { return name.starts_with(state); }))
@@ -399,7 +399,7 @@ void GatewayDevices::left(const Channel& to, ano::FrameView frame) noexcept {
     std::erase_if(waiting_, [number = sent->number](const Waiting& one) { return one.number == number; });
 }
 
-// Called by an outbox: the service is told later.
+// An outbox calls it, so the service is told when the alarm is due.
 void GatewayDevices::discarded(const Channel& to, ano::FrameView frame, SendCause cause) noexcept {
     const auto found = find_waiting(to, frame);
     if (found == waiting_.end()) return;

@@ -36,7 +36,7 @@ public:
         /// Of TCP: an overdue peer is replaced only when its place is needed. For ordinary peers, a /64 of IPv6 counts as one
         /// address, since one computer can use all of it.
         bool has_connections = false;
-        /// A random number, so that nobody knows which senders share a row of rejected senders.
+        /// A random number: which senders share a row of rejected senders can't be predicted.
         std::uint64_t seed = 0;
     };
     /// The rank of a peer or an unknown sender, by its address and its frames.

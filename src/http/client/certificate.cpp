@@ -83,7 +83,7 @@ bool add_use(X509& certificate, const CertificateNames& names, const char* ends)
            add_extension(certificate, NID_subject_alt_name, alternative_names(names));
 }
 
-// At most 64 characters are possible there; nobody checks it if there are alternative names, which are complete.
+// A subject has at most 64 characters. The alternative names, which are complete, are what other programs check.
 std::string subject_of(const CertificateNames& names) {
     constexpr std::size_t longest = 64;
     return names.hosts.empty() ? "anogate" : names.hosts.front().substr(0, longest);

@@ -19,6 +19,7 @@
 #include <bitset>
 #include <cerrno>
 #include <new>
+#include <random>
 #include <utility>
 
 namespace anogate {
@@ -38,6 +39,7 @@ PeerBook::Options book_options(const TcpListenSettings& tcp) {
     options.kept = quarter;
     options.kept_for_trusted = has_trusted ? quarter : 0;
     options.has_connections = true;
+    options.seed = std::random_device{}();
     return options;
 }
 
