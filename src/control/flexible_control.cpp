@@ -23,7 +23,7 @@ constexpr std::size_t max_flexible = 1 << 20;    // bytes of the file
 
 http::Response answer(const Gateway& gateway, std::optional<std::string> not_kept = std::nullopt) {
     Json json{{"flexible", ano::flexible_to_json(gateway.decoding()->flexible())},
-              {"from", gateway.has_flexible_of_its_own() ? "client" : "configuration"}};
+              {"from", gateway.layouts().is_of_client() ? "client" : "configuration"}};
     if (not_kept) json["kept"] = not_kept->empty();
     if (not_kept && !not_kept->empty()) json["why"] = *not_kept;
     http::Response response;
@@ -91,18 +91,25 @@ std::optional<KeptFlexible> kept_flexible(const std::string& path) {
 
 FlexibleControl::FlexibleControl(Gateway& gateway, std::string path, std::optional<KeptFlexible> kept)
     : gateway_{gateway}, path_{std::move(path)}, background_task_{gateway.io()} {
-    const auto forgotten = [this] {
-        log_info("layouts of flexible messages set by a client are discarded: the configuration changed after that");
-        keep({});
-    };
-    gateway_.on_flexible_overruled(forgotten);
+    gateway_.parts().enter(*this);
     if (!kept) return;
-    if (kept->of_file == gateway_.settings().flexible) gateway_.set_flexible(std::move(kept->flexible));
-    else forgotten();
+    if (kept->of_file == gateway_.settings().flexible) gateway_.layouts().set(std::move(kept->flexible));
+    else layouts_overruled();
 }
 
-void FlexibleControl::stop() {
-    gateway_.on_flexible_overruled({});
+FlexibleControl::~FlexibleControl() {
+    gateway_.parts().leave(*this);
+    stopping();
+}
+
+void FlexibleControl::layouts_overruled() {
+    if (is_stopped_) return;
+    log_info("layouts of flexible messages set by a client are discarded: the configuration changed after that");
+    keep({});
+}
+
+void FlexibleControl::stopping() {
+    is_stopped_ = true;
     background_task_.stop();
     waiting_.clear();
 }
@@ -123,7 +130,7 @@ http::Response FlexibleControl::set(const http::Request& request) {
     auto read = layouts_in(request.body);
     if (auto* refusal = std::get_if<http::Response>(&read)) return std::move(*refusal);
     before_change_();
-    gateway_.set_flexible(std::get<Specs>(std::move(read)));
+    gateway_.layouts().set(std::get<Specs>(std::move(read)));
     if (path_.empty())
         return answer(gateway_, "without a configuration file or a state folder, they apply until the gateway stops");
     return http::later([this](const Respond& respond) { keep(respond); });
@@ -136,8 +143,8 @@ void FlexibleControl::keep(Respond respond) {
 
 // Requests received during a write are answered after the next one.
 void FlexibleControl::write() {
-    const std::string text = gateway_.has_flexible_of_its_own()
-                                 ? KeptFlexible{gateway_.own_flexible(), gateway_.settings().flexible}.text()
+    const std::string text = gateway_.layouts().is_of_client()
+                                 ? KeptFlexible{gateway_.layouts().layouts(), gateway_.settings().flexible}.text()
                                  : std::string{};
     const auto fault = std::make_shared<std::string>();
     const auto work = [path = path_, text, fault] {

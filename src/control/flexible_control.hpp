@@ -4,6 +4,7 @@
 #include <ano/flexible.hpp>
 #include <http/response.hpp>
 #include <http/routes.hpp>
+#include <runtime/gateway_parts.hpp>
 #include <sys/background_task.hpp>
 
 #include <functional>
@@ -32,11 +33,11 @@ std::string kept_flexible_path(const std::string& config_file);
 /// Reads the disk and may block. A file that can't be read is logged and ignored.
 std::optional<KeptFlexible> kept_flexible(const std::string& path);
 
-class FlexibleControl {
+class FlexibleControl final : private GatewayEvents {
 public:
     /// `path`: kept_flexible_path(), the file with `kept`. The gateway must outlive this object.
     FlexibleControl(Gateway& gateway, std::string path, std::optional<KeptFlexible> kept);
-    ~FlexibleControl() { stop(); }
+    ~FlexibleControl();
     FlexibleControl(const FlexibleControl&) = delete;
     FlexibleControl& operator=(const FlexibleControl&) = delete;
 
@@ -44,10 +45,10 @@ public:
     void before_change(std::function<void()> call) { before_change_ = std::move(call); }
     /// Adds GET and PUT /flexible.
     void add_routes(http::Routes& routes);
-    /// Answers no more requests.
-    void stop();
 
 private:
+    void stopping() override;
+    void layouts_overruled() override;
     using Respond = std::function<void(http::Response)>;
     http::Response set(const http::Request& request);
     void keep(Respond respond);
@@ -57,6 +58,7 @@ private:
     std::string path_;
     std::function<void()> before_change_ = [] {};
     BackgroundTask background_task_;
+    bool is_stopped_ = false;
     std::vector<Respond> waiting_;    // requests to answer once the file contains the current layouts
 };
 

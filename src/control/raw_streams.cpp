@@ -134,7 +134,7 @@ private:
 
 RawStreams::RawStreams(Gateway& gateway) : gateway_{gateway} {}
 
-RawStreams::~RawStreams() { gateway_.remove_observer(*this); }
+RawStreams::~RawStreams() { gateway_.forwarder().remove_observer(*this); }
 
 http::Response RawStreams::answer(const http::Request& request) {
     if (http::Response fault = http::web_socket_fault(request); fault.status != 200) return fault;
@@ -160,7 +160,8 @@ std::string RawStreams::join(RawSocket& socket) {
         RawPort* const port = state.link->name() == socket.link() ? state.link->raw_port() : nullptr;
         if (!port) continue;
         if (socket.is_exclusive() && is_exclusive(socket.link())) return "another client has exclusive use of the link";
-        if (tapped_.empty()) gateway_.add_observer(*this, {false, false, false});    // for the notice that the link is removed
+        if (tapped_.empty())
+            gateway_.forwarder().add_observer(*this, {false, false, false});    // for the notice that the link is removed
         auto& tapped = tapped_[state.link->id()];
         if (!tapped) tapped = std::make_unique<TappedLink>(*port);
         tapped->sockets.push_back(&socket);
@@ -178,12 +179,12 @@ void RawStreams::leave(RawSocket& socket) {
     if (socket.is_exclusive()) set_exclusive(socket.id(), false);
     if (!tapped->second->sockets.empty()) return;
     tapped_.erase(tapped);
-    if (tapped_.empty()) gateway_.remove_observer(*this);
+    if (tapped_.empty()) gateway_.forwarder().remove_observer(*this);
 }
 
 void RawStreams::set_exclusive(LinkId link, bool exclusive) {
-    gateway_.set_exclusive(link, exclusive);
-    log_info("{}: {}", gateway_.name(link),
+    gateway_.forwarder().set_exclusive(link, exclusive);
+    log_info("{}: {}", gateway_.link(link).name(),
              exclusive ? "in exclusive use by a terminal; frames for it are dropped (denied_out)"
                        : "the terminal with exclusive use has ended; frames are forwarded again");
 }

@@ -7,6 +7,7 @@
 #include <control/send_frame.hpp>
 #include <control/watch_session.hpp>
 #include <devices/device_routes.hpp>
+#include <devices/device_service.hpp>
 #include <devices/watch_routes.hpp>
 #include <foxglove/foxglove_streams.hpp>
 #include <gpio/gpio_control.hpp>
@@ -14,11 +15,9 @@
 #include <http/served_file.hpp>
 #include <runtime/control_link.hpp>
 #include <runtime/gateway.hpp>
-#include <runtime/gateway_devices.hpp>
 #include <status/metrics.hpp>
 #include <status/status.hpp>
 #include <sys/errors.hpp>
-#include <watch/frame_watch.hpp>
 
 #include <nlohmann/json.hpp>
 
@@ -51,36 +50,21 @@ http::Response list_of(const http::Routes& routes) {
     return json(line_of(std::move(list)));
 }
 
-// Shared by the routes of streams.
-struct Streams {
-    explicit Streams(Gateway& gateway)
-        : devices{std::make_shared<GatewayDevices>(gateway)},
-          watch{gateway},
-          frames{gateway, watch},
-          foxglove{gateway, watch, devices->service()},
-          raw{gateway} {}
-    std::shared_ptr<GatewayDevices> devices;
-    FrameWatch watch;
-    FrameStreams frames;
-    FoxgloveStreams foxglove;
-    RawStreams raw;
-};
-
 // A browser gets the page without a token, because the page prompts for it; the list of routes needs a token. Foxglove clients
 // use only this path.
-http::Response front(const http::Routes& routes, const Page& page, Streams& streams, const Request& request) {
+http::Response front(const http::Routes& routes, const Page& page, FoxgloveStreams& foxglove, const Request& request) {
     if (is_foxglove(request) && !request.is_foreign)
         return request.access == Access::open ? http::needs_token("Foxglove needs a token: ws://HOST:PORT/?token=TOKEN")
-                                              : streams.foxglove.answer(request);
+                                              : foxglove.answer(request);
     if (page.is_wanted_by(request)) return page.file({}, request);
     return request.access == Access::open ? http::needs_token("this path needs a token") : list_of(routes);
 }
 
-void add_page(http::Routes& routes, Page page, const std::shared_ptr<Streams>& streams) {
+void add_page(http::Routes& routes, Page page, FoxgloveStreams& foxglove) {
     const auto kept = std::make_shared<const Page>(std::move(page));
     routes.add({"GET", "/", Access::open,
                 "the page, for clients that accept text/html; otherwise this list, for clients that may view",
-                [&routes, kept, streams](const Request& request) { return front(routes, *kept, *streams, request); }});
+                [&routes, kept, &foxglove](const Request& request) { return front(routes, *kept, foxglove, request); }});
     routes.add({"GET", "/web/{file}", Access::open, "a file of the page",
                 [kept](const Request& request) { return kept->file(request.parameter("file"), request); }});
 }
@@ -118,7 +102,7 @@ http::Response forget_route(const std::string& word, Gateway& gateway, DeviceSer
     const auto called = ano::address_called(word);
     if (const auto* fault = std::get_if<ano::JsonFault>(&called)) return http::error(400, fault->what);
     const auto address = std::get<std::uint8_t>(called);
-    const bool was_known = gateway.forget(address), was_watched = devices.forget_values(address);
+    const bool was_known = gateway.forwarder().forget(address), was_watched = devices.forget_values(address);
     if (!was_known && !was_watched) return http::error(404, ano::hex_byte(address) + " was not seen: there is nothing to forget");
     return json(line_of({{"address", ano::hex_byte(address)}, {"forgotten", true}}));
 }
@@ -134,26 +118,6 @@ http::Routes::Function in_time(Gateway& gateway, Function function) {
     };
 }
 
-// The routes own these parts; the gateway, which may live longer, only refers to them.
-template <class... Parts>
-void stop_with(Gateway& gateway, const std::shared_ptr<Parts>&... parts) {
-    gateway.before_stopping([... weak = std::weak_ptr{parts}] {
-        const auto stop = [](const auto& part) {
-            if (part) part->stop();
-        };
-        (stop(weak.lock()), ...);
-    });
-}
-
-void add_devices(http::Routes& routes, const std::shared_ptr<GatewayDevices>& devices) {
-    http::Routes rows;
-    add_device_routes(rows, devices->service());
-    for (http::Routes::Row row : rows.rows()) {
-        row.function = [devices, function = std::move(row.function)](const Request& request) { return function(request); };
-        routes.add(std::move(row));
-    }
-}
-
 http::Response join_link(Gateway& gateway, const http::Request& request) {
     if (http::Response fault = http::web_socket_fault(request); fault.status != 200) return fault;
     ControlLink* const link = gateway.control();
@@ -162,15 +126,14 @@ http::Response join_link(Gateway& gateway, const http::Request& request) {
 
 }    // namespace
 
-void add_routes(http::Routes& routes, Gateway& gateway, const std::function<ListenerInfo()>& listener, Page page) {
-    const auto streams = std::make_shared<Streams>(gateway);
-    const auto disk = std::make_shared<TaskPool>(gateway.io());
-    add_page(routes, std::move(page), streams);
+void add_routes(http::Routes& routes, const ServedParts& parts, const std::function<ListenerInfo()>& listener, Page page) {
+    Gateway& gateway = parts.gateway;
+    add_page(routes, std::move(page), parts.foxglove);
     routes.add(
         {"GET", "/status", Access::view,
          "the state of the gateway, its links, routes, conflicts, tunnel and GPIO lines, where it serves HTTP, and lost devices",
-         [&gateway, listener, streams](const Request&) {
-             const auto lost = lost_json(streams->devices->service());
+         [&gateway, parts, listener](const Request&) {
+             const auto lost = lost_json(parts.devices);
              return json(status_json(gateway, listener(), &lost));
          }});
     routes.add({"GET", "/links", Access::view, "only the links of the status",
@@ -178,17 +141,17 @@ void add_routes(http::Routes& routes, Gateway& gateway, const std::function<List
     routes.add({"GET", "/routes", Access::view, "where frames to each address go: only the routes of the status",
                 [&gateway](const Request&) { return json(routes_json(gateway)); }});
     routes.add_without_body({"DELETE", "/routes/{address}", Access::control, "forgets where the address was seen",
-                             [&gateway, streams](const Request& request) {
-                                 return forget_route(std::string{request.parameter("address")}, gateway,
-                                                     streams->devices->service());
+                             [&gateway, parts](const Request& request) {
+                                 return forget_route(std::string{request.parameter("address")}, gateway, parts.devices);
                              }});
     routes.add({"GET", "/messages", Access::view, "the messages of the protocol, with the flexible ones of the configuration",
                 [&gateway](const Request&) { return json(messages_json(gateway)); }});
-    routes.add({"GET", "/map.pmtiles", Access::view, "the map of the page (control.map), with ranges",
-                [&gateway, disk](const Request& request) { return map_answer(*disk, gateway.settings().control.map, request); }});
+    routes.add(
+        {"GET", "/map.pmtiles", Access::view, "the map of the page (control.map), with ranges",
+         [&gateway, parts](const Request& request) { return map_answer(parts.disk, gateway.settings().control.map, request); }});
     routes.add({"GET", "/metrics", Access::view, "the counters for Prometheus, as text or as OpenMetrics",
-                [&gateway, listener, streams](const Request& request) {
-                    return metrics_answer(request, gateway, listener(), streams->devices->service());
+                [&gateway, parts, listener](const Request& request) {
+                    return metrics_answer(request, gateway, listener(), parts.devices);
                 }});
     routes.add({"POST", "/gpio", Access::control, "pulses a reset line, or switches power off and on again",
                 in_time(gateway, [&gateway](const Request& request) {
@@ -198,20 +161,19 @@ void add_routes(http::Routes& routes, Gateway& gateway, const std::function<List
                 "sends one frame, as hex digits or as JSON, and returns the links that it was sent to",
                 in_time(gateway, [&gateway](const Request& request) { return send_request(gateway, request); })});
     routes.add({"GET", "/frames", Access::view, "the forwarded frames, as lines of JSON or as a WebSocket",
-                [streams](const Request& request) { return streams->frames.answer(request); }});
+                [parts](const Request& request) { return parts.frames.answer(request); }});
     routes.add(
         {"GET", "/foxglove", Access::view,
          "as a WebSocket: the protocol of Foxglove, which shows the frames (encoding=cdr or json); also at / for clients that "
          "offer its subprotocol",
-         [streams](const Request& request) { return streams->foxglove.answer(request); }, 0, true});
+         [parts](const Request& request) { return parts.foxglove.answer(request); }, 0, true});
     routes.add({"GET", "/link", Access::control, "as a WebSocket: the client becomes a channel of the gateway",
                 [&gateway](const Request& request) { return join_link(gateway, request); }, 0, true});
     routes.add({"GET", "/links/{link}/raw", Access::view,
                 "as a WebSocket: the raw bytes of a serial, hid, pty, udp, tcp or sim link, in both directions; with a control "
                 "token the client can send, and with ?exclusive it has exclusive use of the link",
-                [streams](const Request& request) { return streams->raw.answer(request); }, 0, true});
-    add_devices(routes, streams->devices);
-    stop_with(gateway, streams->devices, disk);
+                [parts](const Request& request) { return parts.raw.answer(request); }, 0, true});
+    add_device_routes(routes, parts.devices);
 }
 
 }    // namespace anogate

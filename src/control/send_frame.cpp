@@ -114,8 +114,8 @@ private:
 
 // {"link": "fc", "peer": "/dev/ttyUSB0"}
 ordered_json place_of(const Gateway& gateway, const Fate::Copy& copy) {
-    ordered_json place{{"link", gateway.name(copy.link)}};
-    if (copy.channel != ourselves) place["peer"] = gateway.channel(copy.channel).peer;
+    ordered_json place{{"link", gateway.link(copy.link).name()}};
+    if (copy.channel != ourselves) place["peer"] = gateway.forwarder().channel(copy.channel).peer;
     return place;
 }
 
@@ -126,7 +126,7 @@ http::Response response_for(const Gateway& gateway, const Fate& fate, bool ends_
         ordered_json place = place_of(gateway, copy);
         if (!copy.cause.empty()) {
             place["cause"] = copy.cause;
-            reasons.append(reasons.empty() ? "" : "; ").append(gateway.name(copy.link)).append(": ");
+            reasons.append(reasons.empty() ? "" : "; ").append(gateway.link(copy.link).name()).append(": ");
             reasons.append(copy.not_routed != 0 ? not_routed(copy.not_routed).text : copy.why);
         }
         json[!copy.cause.empty() ? "dropped" : copy.has_left ? "sent" : "waiting"].push_back(std::move(place));
@@ -153,11 +153,11 @@ http::Response send_request(Gateway& gateway, const http::Request& request) {
     if (const std::size_t most = ano::max_data_of(frame.id(), link->settings().max_data); frame.data().size() > most)
         return http::error(400, "the frame has more DATA than any link can carry: " + std::to_string(most));
     Fate fate;
-    gateway.add_observer(fate);
+    gateway.forwarder().add_observer(fate);
     link->send(frame);
     fate.is_queued();
     gateway.flush();
-    gateway.remove_observer(fate);
+    gateway.forwarder().remove_observer(fate);
     return response_for(gateway, fate, frame.destination() == gateway.settings().gateway.id && frame.destination() != 0);
 }
 

@@ -1,17 +1,22 @@
 #include <config/config.hpp>
 #include <control/control_listeners.hpp>
 #include <control/flexible_control.hpp>
+#include <control/raw_streams.hpp>
 #include <control/recording_routes.hpp>
 #include <control/reload_routes.hpp>
 #include <control/routes.hpp>
+#include <control/watch_session.hpp>
 #include <daemon/command_line.hpp>
 #include <daemon/first_line.hpp>
 #include <daemon/program.hpp>
+#include <foxglove/foxglove_streams.hpp>
+#include <http/task_pool.hpp>
 #include <link/udp/ip_socket.hpp>
 #include <log/log.hpp>
 #include <log/log_line.hpp>
 #include <recording/recordings.hpp>
 #include <runtime/gateway.hpp>
+#include <runtime/gateway_devices.hpp>
 #include <runtime/kept_parameters.hpp>
 #include <runtime/own_device.hpp>
 #include <runtime/reload.hpp>
@@ -21,6 +26,7 @@
 #include <sys/lazy_memory.hpp>
 #include <sys/notify.hpp>
 #include <sys/ticker.hpp>
+#include <watch/frame_watch.hpp>
 
 #include <csignal>
 #include <initializer_list>
@@ -65,7 +71,7 @@ std::string recordings_folder() {
 }
 
 // The running program: the gateway, its control interface, and the handling of signals.
-class Program {
+class Program final : private GatewayEvents {
 public:
     Program(const CommandLine& line, const WrittenValues& written, const WrittenValues& kept,
             std::optional<KeptFlexible> kept_flexible, std::string source, ReadAgain read_again, ConfigState::Runs runs)
@@ -74,8 +80,9 @@ public:
           reload_{io_, gateway_, {line.settings, line.files}, std::move(read_again), kept_config_path(line.config_file), written},
           own_device_{gateway_, reload_, kept_parameters_path(line.config_file), kept},
           flexible_{gateway_, kept_flexible_path(line.config_file), std::move(kept_flexible)},
-          recordings_{gateway_, recordings_folder()},
+          recordings_{gateway_, watch_, recordings_folder()},
           signals_{io_, SIGTERM, SIGINT, SIGHUP} {
+        gateway_.parts().enter(*this);
         gateway_.set_config_state({line.config_file, runs});
         own_device_.keep_in_step();
         reload_.on_links_changed([this](const std::vector<std::string>& names) {
@@ -83,15 +90,14 @@ public:
             recordings_.configure();
         });
         add_routes(
-            control_.routes(), gateway_, [this] { return control_.listener_info(); }, installed_page());
+            control_.routes(), {gateway_, devices_.service(), frames_, foxglove_, raw_, map_disk_},
+            [this] { return control_.listener_info(); }, installed_page());
         add_reload_routes(control_.routes(), reload_);
         add_recording_routes(control_.routes(), recordings_);
         flexible_.add_routes(control_.routes());
         flexible_.before_change([this] { recordings_.catch_up(); });
         control_.add_login_routes();
         reload_.on_reloaded([this](const std::function<void(std::string)>& done) { control_.renew(done); });
-        gateway_.go_on_from(receive_restart_state());
-        gateway_.before_closing([this] { send_restart_state(gateway_); });
         signals_.add(SIGUSR1);
         hold_signals(SIG_UNBLOCK, {SIGTERM, SIGHUP, SIGUSR1});
     }
@@ -101,11 +107,7 @@ public:
         if (!control_.open()) return exit_config;
         wait_for_signal();
         if (gateway_.settings().links.empty()) log_warning("the configuration has no links, so no frames will be forwarded");
-        gateway_.start([this](const std::string& link) {
-            log_error("required link {} was not up within 10 s", link);
-            status_ = 1;
-            stop("a required link is not up");
-        });
+        gateway_.start(std::move(stored_));
         recordings_.start();
         notify_systemd("READY=1", {}, Patience::some);
         keep_watchdog();
@@ -118,6 +120,16 @@ public:
     }
 
 private:
+    void required_missing(const std::string& link) override {
+        log_error("required link {} was not up within 10 s", link);
+        status_ = 1;
+        stop("a required link is not up");
+    }
+
+    void stopping() override { map_disk_.stop(); }
+
+    void closing(const ClockReading& unread_since) override { send_restart_state(gateway_, unread_since); }
+
     void wait_for_signal() {
         signals_.async_wait([this](error_code ec, int signal) {
             if (ec || stopped_) return;
@@ -152,8 +164,6 @@ private:
         watchdog_.stop();
         hints_.stop();
         reload_.stop();
-        if (!again) own_device_.stop();
-        if (!again) flexible_.stop();
         if (again) control_.close();
         gateway_.stop(flush_patience, [this] {
             stopped_ = true;
@@ -169,6 +179,12 @@ private:
     std::string why_;       // the reason for the end
     Reload reload_;
     OwnDevice own_device_;
+    GatewayDevices devices_{gateway_};
+    FrameWatch watch_{gateway_};
+    FrameStreams frames_{gateway_, watch_};
+    FoxgloveStreams foxglove_{gateway_, watch_, devices_.service()};
+    RawStreams raw_{gateway_};
+    TaskPool map_disk_{io_};
     FlexibleControl flexible_;
     Recordings recordings_;
     ControlListeners control_{io_, gateway_.settings().control};
@@ -176,7 +192,8 @@ private:
     Ticker watchdog_{io_, [] { notify_systemd("WATCHDOG=1"); }};
     Ticker hints_{io_, [this] { log_hints(); }};
     HintLog hint_log_;
-    bool stopped_ = false;    // all parts have stopped: no more waits for signals
+    RestartState stored_ = receive_restart_state();    // until the gateway starts
+    bool stopped_ = false;                             // all parts have stopped: no more waits for signals
     int status_ = 0;
 };
 

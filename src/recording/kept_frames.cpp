@@ -144,7 +144,8 @@ bool FaultTrigger::is_at_home(const FrameRecord& record) const {
     const auto channel = static_cast<ChannelId>(record.channel);
     if (record.channel == FrameRecord::no_channel || !gateway_.forwarder().channels().contains(channel)) return false;
     const std::uint8_t source = record.frame.source();
-    return gateway_.forwarder().router().holds(source, channel) && is_known_origin(gateway_, gateway_.channel(channel), source);
+    return gateway_.forwarder().router().holds(source, channel) &&
+           is_known_origin(gateway_, gateway_.forwarder().channel(channel), source);
 }
 
 }    // namespace anogate

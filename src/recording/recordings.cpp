@@ -63,19 +63,19 @@ std::string name_by_time(std::chrono::seconds since) {
     return {name.data(), std::strftime(name.data(), name.size(), "%Y%m%d-%H%M%SZ", &parts)};
 }
 
-Recordings::Recordings(Gateway& gateway, std::string usual_folder)
-    : gateway_{gateway},
-      usual_folder_{std::move(usual_folder)},
-      watch_{gateway},
-      disk_{gateway.io()},
-      clock_{gateway.io(), [this] { watch_clock(); }} {
-    gateway_.set_recording(this);
+Recordings::Recordings(Gateway& gateway, FrameWatch& watch, std::string usual_folder)
+    : gateway_{gateway}, usual_folder_{std::move(usual_folder)}, watch_{watch}, disk_{gateway.io()}, clock_{gateway.io(), [this] {
+                                                                                                                watch_clock();
+                                                                                                            }} {
+    gateway_.parts().enter(*this);
+    gateway_.parts().recording = this;
     settings_ = gateway_.settings().record.value_or(RecordSettings{});
     folder_ = settings_.folder.empty() ? usual_folder_ : settings_.folder;
 }
 
 Recordings::~Recordings() {
-    gateway_.set_recording(nullptr);
+    gateway_.parts().leave(*this);
+    gateway_.parts().recording = nullptr;
     is_alive_.reset();
     fault_trigger_.reset();
     memory_.reset();

@@ -38,7 +38,7 @@ struct AskedRecording {
 };
 
 /// All calls must be from the loop; operations that may block on the disk are done in threads.
-class Recordings final : public RecordingService {
+class Recordings final : public RecordingService, private GatewayEvents {
 public:
     static constexpr std::size_t max_asked = 4;      // recorded at once
     static constexpr std::size_t max_reading = 2;    // downloads of the latest frames at once: each keeps its frames in memory
@@ -48,8 +48,8 @@ public:
     static constexpr ano::Duration saved_stays = std::chrono::minutes{1};    // how long a saved file is not deleted for `keep`
     static constexpr ano::Duration patience_at_the_end = std::chrono::seconds{1};
 
-    /// `usual_folder`: used if the configuration names no folder; empty: there is none. The gateway must outlive this object.
-    Recordings(Gateway& gateway, std::string usual_folder);
+    /// `usual_folder`: used if the configuration names no folder; empty: there is none. `gateway` and `watch` must outlive this object.
+    Recordings(Gateway& gateway, FrameWatch& watch, std::string usual_folder);
     ~Recordings();
     Recordings(const Recordings&) = delete;
     Recordings& operator=(const Recordings&) = delete;
@@ -80,13 +80,13 @@ public:
     RecordingOptions options_for(const WantedForm& wanted) const;
     struct Running;
 
-    void link_lost(const LinkState& link) override;
     std::string start_recording() override;
     std::string stop_recording() override;
     void describe(nlohmann::ordered_json& recording) override;
     RecordingFigures figures() override;
 
 private:
+    void link_lost(const LinkState& link) override;
     using Respond = std::function<void(http::Response)>;
     Running& launch(const AskedRecording& asked, bool is_configured);
     RecorderSettings settings_of(const AskedRecording& asked) const;
@@ -129,7 +129,7 @@ private:
     std::string usual_folder_, folder_;
     RecordSettings settings_;       // the present settings; the defaults when the section `record` is missing
     bool is_configured_ = false;    // the section `record` exists
-    FrameWatch watch_;
+    FrameWatch& watch_;
     TaskPool disk_;
     std::list<std::unique_ptr<Running>> running_;
     std::set<std::string> starting_;         // names that are being checked on the disk

@@ -9,14 +9,14 @@ namespace {
 
 std::string names_of(const Gateway& gateway, LinkSet links) {
     std::string names;
-    for (const LinkId id : links) names += (names.empty() ? "" : " and ") + gateway.name(id);
+    for (const LinkId id : links) names += (names.empty() ? "" : " and ") + gateway.link(id).name();
     return names;
 }
 
 bool are_of_one_group(const Gateway& gateway, LinkSet links) {
-    const std::string& group = gateway.settings(*links.begin()).group;
+    const std::string& group = gateway.link(*links.begin()).settings().group;
     bool are = !group.empty();
-    for (const LinkId id : links) are = are && gateway.settings(id).group == group;
+    for (const LinkId id : links) are = are && gateway.link(id).settings().group == group;
     return are;
 }
 
@@ -39,7 +39,7 @@ std::string conflict_text(const Gateway& gateway, const Conflict& conflict) {
     std::string text = fmt::format("0x{:02X} is {} {}", conflict.address, pinned.empty() ? "seen on" : "pinned to",
                                    names_of(gateway, pinned.empty() ? conflict.links : pinned));
     if (by != nullptr)
-        text += (pinned.empty() ? ", claimed by " : ", and is claimed by ") + gateway.name(by->link) +
+        text += (pinned.empty() ? ", claimed by " : ", and is claimed by ") + gateway.link(by->link).name() +
                 (by->peer.empty() ? "" : " (" + by->peer + ")");
     else if (!pinned.empty()) text += ", and is seen on " + names_of(gateway, conflict.links);
     text.append(": ").append(advice_on(meaning));
@@ -53,11 +53,11 @@ std::string move_text(const Gateway& gateway, const Router::Moved& moved) {
     const Router& router = gateway.forwarder().router();
     if (!router.pinned(moved.address).empty())
         return fmt::format("0x{:02X} moved from {} to {}, which is in the same group: frames for it now also go there",
-                           moved.address, before, gateway.name(moved.to));
+                           moved.address, before, gateway.link(moved.to).name());
     return fmt::format(
         "0x{:02X} moved from {} to {}: frames for it now go there. If the device is not connected there, pin it: --route "
         "0x{:02X}={}",
-        moved.address, before, gateway.name(moved.to), moved.address, before);
+        moved.address, before, gateway.link(moved.to).name(), moved.address, before);
 }
 
 }    // namespace anogate

@@ -148,8 +148,8 @@ Link& Gateway::link_named(const std::string& name) const {
     throw std::logic_error("no link is called " + name);    // not possible with a checked configuration
 }
 
-void Gateway::start(std::function<void(const std::string&)> on_required_missing) {
-    on_required_missing_ = std::move(on_required_missing);
+void Gateway::start(RestartState stored) {
+    stored_ = std::move(stored);
     started_at_ = turn().now();
     for (LinkState& s : links_) {
         s.since = started_at_;
@@ -171,8 +171,6 @@ void Gateway::start(LinkState& state) {
     log_info("{}: disabled", state.link->name());
 }
 
-void Gateway::go_on_from(RestartState stored) { stored_ = std::move(stored); }
-
 std::optional<StoredLink> Gateway::claim_stored(const Link& link) {
     for (RestartState::OfLink& stored : stored_.links)
         if (stored.name == link.name() && stored.link.wire) return std::move(stored.link);
@@ -190,9 +188,10 @@ void Gateway::restore_addresses() {
 void Gateway::restore_addresses(const Link& link, const RestartState::OfLink& stored) {
     for (const ChannelId id : forwarder_.traffic(link.id()).channels)
         for (const StoredChannel& was : stored.channels) {
-            if (was.peer != channel(id).peer) continue;
-            for (const StoredAddress& heard : was.addresses) forwarder_.restore(heard.address, channel(id), heard.heard_at);
-            for (const std::uint8_t address : was.first) forwarder_.restore_first(address, channel(id));
+            if (was.peer != forwarder_.channel(id).peer) continue;
+            for (const StoredAddress& heard : was.addresses)
+                forwarder_.restore(heard.address, forwarder_.channel(id), heard.heard_at);
+            for (const std::uint8_t address : was.first) forwarder_.restore_first(address, forwarder_.channel(id));
         }
 }
 
@@ -206,7 +205,8 @@ void Gateway::restore_brought() {
 
 void Gateway::check_required() {
     for (const LinkState& s : links_)
-        if (s.is_required && !s.was_up && s.link->settings().enabled) return on_required_missing_(s.link->name());
+        if (s.is_required && !s.was_up && s.link->settings().enabled)
+            return parts_.tell(&GatewayEvents::required_missing, s.link->name());
 }
 
 void Gateway::stop(Duration patience, std::function<void()> on_stopped) {
@@ -215,7 +215,7 @@ void Gateway::stop(Duration patience, std::function<void()> on_stopped) {
         return;
     }
     on_stopped_ = std::move(on_stopped);
-    before_stopping_();
+    parts_.tell(&GatewayEvents::stopping);
     required_check_.cancel();
     log_up_later_.cancel();
     change_check_.cancel();
@@ -239,7 +239,7 @@ void Gateway::check_stop() {
 
 bool Gateway::nothing_waits(const LinkState& state) const {
     for (const ChannelId id : forwarder_.traffic(state.link->id()).channels)
-        if (!channel(id).outbox.empty()) return false;
+        if (!forwarder_.channel(id).outbox.empty()) return false;
     return !state.up || state.link->unsent() == 0;
 }
 
@@ -247,7 +247,7 @@ void Gateway::finish_stop() {
     stop_check_.cancel();
     peer_log_.finish();
     beat_.finish();
-    before_closing_();
+    parts_.tell(&GatewayEvents::closing, unread_since_);
     for (LinkState& s : links_) s.link->stop();
     forwarder_due_.cancel();
     gpio_->stop();
@@ -269,7 +269,8 @@ void Gateway::beat() {
 
 bool Gateway::streams_are_active() const {
     for (const ChannelId id : forwarder_.channels())
-        if (streams_.contains(channel(id).link) && now_ - channel(id).arrived_at < StallWatch::calm_after) return true;
+        if (streams_.contains(forwarder_.channel(id).link) && now_ - forwarder_.channel(id).arrived_at < StallWatch::calm_after)
+            return true;
     return false;
 }
 
@@ -285,7 +286,7 @@ Channel* Gateway::open_channel(Link& link, std::string peer) {
 void Gateway::close_channel(Channel& channel, std::string_view why) {
     const Link& link = *links_by_id_[index(channel.link)];
     if (state(link).up) peer_log_.went(link.name(), channel.peer, why, now_);
-    if (on_loss_) on_loss_(channel.id);
+    parts_.tell(&GatewayEvents::channel_lost, channel.id);
     forwarder_.close_channel(channel);
 }
 
@@ -293,12 +294,12 @@ void Gateway::receive(Channel& from, ano::FrameView frame) {
     beat_.heard(streams_.contains(from.link), std::min(from.arrived_at, now_));
     if (gpio_->watches(from.link)) gpio_->heard(from.link, now_);
     forwarder_.receive(from, frame, now_);
-    if (events_) events_->send_waiting();
+    if (parts_.own) parts_.own->send_waiting();
 }
 
 // Repeats until no channel is left, because flushing a link may report a failure, which may queue frames.
 void Gateway::flush() {
-    if (events_) events_->send_waiting();
+    if (parts_.own) parts_.own->send_waiting();
     while (Channel* const channel = forwarder_.next_to_flush()) {
         if (gpio_->watches(channel->link)) gpio_->sends(channel->link, now_);
         links_by_id_[index(channel->link)]->flush(*channel);
@@ -306,7 +307,7 @@ void Gateway::flush() {
     while (const auto conflict = forwarder_.pop_conflict()) {
         const std::string what = conflict_text(*this, *conflict);
         log_warning("{}", what);
-        if (events_) events_->conflict_began(what);
+        parts_.tell(&GatewayEvents::conflict_began, what);
     }
     while (const auto moved = forwarder_.pop_move()) log_warning("{}", move_text(*this, *moved));
     await_forwarder();
@@ -323,7 +324,7 @@ void Gateway::link_up(Link& link) {
     LinkState& s = state(link);
     forwarder_.link_up(link.id(), now_);
     const bool is_news = !std::exchange(s.up, true);
-    if (link.settings().kind->replays) renew_decoding();
+    if (link.settings().kind->replays) layouts_.set_replayed(replayed());
     if (!is_news) return;
     s.was_up = true;
     s.since = now_;
@@ -331,7 +332,7 @@ void Gateway::link_up(Link& link) {
     await_forwarder();
     if (s.was_brief) log_up_later_.set_no_later(now_ + brief);
     else log_up(s);
-    if (events_) events_->link_changed(s);
+    parts_.tell(&GatewayEvents::link_changed, s);
 }
 
 // Otherwise log_up() does it.
@@ -355,9 +356,8 @@ void Gateway::log_up() {
 }
 
 void Gateway::lose_channels_of(LinkId link) {
-    if (!on_loss_) return;
     for (const ChannelId id : forwarder_.channels())
-        if (channel(id).link == link) on_loss_(id);
+        if (forwarder_.channel(id).link == link) parts_.tell(&GatewayEvents::channel_lost, id);
 }
 
 void Gateway::link_down(Link& link, LinkError why) {
@@ -371,15 +371,15 @@ void Gateway::link_down(Link& link, LinkError why) {
     if (was_up) s.since = now_;
     s.up = s.is_logged = false;
     s.error = std::move(why);
-    if (is_news && events_) events_->link_changed(s);
-    if (was_up && recording_) recording_->link_lost(s);
+    if (is_news) parts_.tell(&GatewayEvents::link_changed, s);
+    if (was_up) parts_.tell(&GatewayEvents::link_lost, s);
     gpio_->link_state(link.id(), false);
 }
 
 ChannelSet Gateway::busy_channels() const {
     ChannelSet busy;
     for (const ChannelId id : forwarder_.channels())
-        if (channel(id).outbox.is_open() && channel(id).waiting() > 0) busy.insert(id);
+        if (forwarder_.channel(id).outbox.is_open() && forwarder_.channel(id).waiting() > 0) busy.insert(id);
     return busy;
 }
 

@@ -55,12 +55,8 @@ void Gateway::finish_change() {
     Retired retired;
     remove_links(retired);
     Changing change = *std::exchange(changing_, std::nullopt);
-    if (flexible_ && settings_.flexible != change.settings.flexible) {
-        if (!set_aside_ || set_aside_->of_file != change.settings.flexible) set_aside_ = {*flexible_, settings_.flexible};
-        flexible_.reset();
-    }
-    settings_ = std::move(change.settings);
-    renew_decoding();
+    const Settings before = std::exchange(settings_, std::move(change.settings));
+    layouts_.settings_changed(before.flexible, replayed());
     forwarder_.set(settings_.gateway);
     forwarder_.set_classes(settings_.classes);
     make_room_for_links(retired);
@@ -77,38 +73,11 @@ void Gateway::finish_change() {
     change.on_changed();
 }
 
-void Gateway::set_flexible(std::vector<ano::FlexibleSpec> flexible) {
-    flexible_.reset();
-    if (flexible != settings_.flexible) flexible_ = std::move(flexible);
-    renew_decoding();
-}
-
-void Gateway::settle_flexible() {
-    if (std::exchange(set_aside_, std::nullopt) && on_flexible_overruled_) on_flexible_overruled_();
-}
-
-void Gateway::restore_flexible() {
-    if (!set_aside_ || set_aside_->of_file != settings_.flexible) return settle_flexible();
-    flexible_ = std::exchange(set_aside_, std::nullopt)->flexible;
-    renew_decoding();
-}
-
-void Gateway::renew_decoding() {
-    std::vector<ano::FlexibleSpec> flexible = own_flexible();
-    for (const LinkState& s : links_) {
-        const DecodingPtr played = s.up ? s.link->decoding() : nullptr;
-        if (!played) continue;
-        const auto is_known = [&](const ano::FlexibleSpec& one) {
-            return std::ranges::any_of(flexible, [&](const ano::FlexibleSpec& other) { return other.id == one.id; });
-        };
-        std::vector<ano::FlexibleSpec> added;
-        std::ranges::copy_if(played->flexible(), std::back_inserter(added), [&](const auto& one) { return !is_known(one); });
-        flexible.insert(flexible.end(), added.begin(), added.end());
-    }
-    DecodingPtr now = decoding_of(settings_, std::move(flexible));
-    if (*now == *decoding_) return;
-    decoding_ = std::move(now);
-    ++decoding_changes_;
+std::vector<DecodingPtr> Gateway::replayed() const {
+    std::vector<DecodingPtr> all;
+    for (const LinkState& s : links_)
+        if (DecodingPtr played = s.up ? s.link->decoding() : nullptr) all.push_back(std::move(played));
+    return all;
 }
 
 void Gateway::unpin_routes() {
@@ -201,7 +170,7 @@ void Gateway::make_channel_free(PeerBook::Rank to) {
     const Channel* silent = nullptr;
     for (const LinkState& s : links_) {
         const auto id = s.link->peer_to_replace(to, now_);
-        if (id && (!silent || channel(*id).heard_at < silent->heard_at)) silent = &channel(*id);
+        if (id && (!silent || forwarder_.channel(*id).heard_at < silent->heard_at)) silent = &forwarder_.channel(*id);
     }
     if (silent) links_by_id_[index(silent->link)]->forget_peer(silent->id);
 }
@@ -212,8 +181,8 @@ void Gateway::make_channel_free_for_link() {
     if (forwarder_.channels().size() < max_channels) return;
     const Channel* silent = nullptr;
     for (const ChannelId id : forwarder_.channels()) {
-        const bool is_peer = links_by_id_[index(channel(id).link)]->settings().kind->listens;
-        if (is_peer && (!silent || channel(id).heard_at < silent->heard_at)) silent = &channel(id);
+        const bool is_peer = links_by_id_[index(forwarder_.channel(id).link)]->settings().kind->listens;
+        if (is_peer && (!silent || forwarder_.channel(id).heard_at < silent->heard_at)) silent = &forwarder_.channel(id);
     }
     if (silent) links_by_id_[index(silent->link)]->forget_peer(silent->id);
 }

@@ -61,7 +61,7 @@ bool is_abandoned(const std::filesystem::path& file, std::string_view name) {
 std::string_view host_of(const Channel& channel) { return std::string_view{channel.peer}.substr(0, channel.peer.rfind(':')); }
 std::string group_of(const Gateway& gateway, const Channel& channel) {
     const bool has_group = gateway.forwarder().router().group_of(channel.id) != 0;
-    return has_group ? gateway.settings(channel.link).group : std::string{};
+    return has_group ? gateway.link(channel.link).settings().group : std::string{};
 }
 std::string format_place(const std::string& link, std::string_view peer) {
     return peer.empty() ? link : link + " (" + std::string{peer} + ")";
@@ -84,25 +84,27 @@ GatewayDevices::GatewayDevices(Gateway& gateway)
       service_{*this, gateway.settings().control.host},
       always_{*this} {
     lost_.reserve(max_lost);
-    gateway_.add_observer(always_, {.arrivals = false, .fates = true, .departures = false, .always = true});
-    gateway_.on_scan([this](const std::function<void(const std::string&)>& on_found) { return scan(on_found); });
-    gateway_.on_loss([this](ChannelId lost) {
-        for (unsigned a = 0; a <= 0xFF; ++a)
-            if (const auto address = static_cast<std::uint8_t>(a); gateway_.forwarder().router().heard_at(address, lost))
-                service_.link_was_down(address);
-    });
+    gateway_.forwarder().add_observer(always_, {.arrivals = false, .fates = true, .departures = false, .always = true});
+    gateway_.parts().enter(*this);
+    gateway_.parts().scan = this;
     remember_notes();
 }
 
 GatewayDevices::~GatewayDevices() {
-    gateway_.remove_observer(always_);
-    gateway_.on_scan({});
-    gateway_.on_loss({});
+    gateway_.forwarder().remove_observer(always_);
+    gateway_.parts().leave(*this);
+    gateway_.parts().scan = nullptr;
+}
+
+void GatewayDevices::channel_lost(ChannelId lost) {
+    for (unsigned a = 0; a <= 0xFF; ++a)
+        if (const auto address = static_cast<std::uint8_t>(a); gateway_.forwarder().router().heard_at(address, lost))
+            service_.link_was_down(address);
 }
 
 bool GatewayDevices::Place::has(const Gateway& gateway, const Channel& channel) const {
     const std::string its_group = group_of(gateway, channel);
-    return its_group.empty() ? link == gateway.name(channel.link) && peer == host_of(channel) : group == its_group;
+    return its_group.empty() ? link == gateway.link(channel.link).name() && peer == host_of(channel) : group == its_group;
 }
 
 // An address moves when its holder is silent, and in a network any sender can forge the address of a lost device. Therefore
@@ -118,13 +120,13 @@ GatewayDevices::Sender GatewayDevices::sender(const Channel& from, std::uint8_t 
     if (!is_at_home) return Sender::another;
     if (!last.link.empty() && service_.stays_lost(source) && !is_known_origin(gateway_, from, source))
         return log_unknown_sender(from, source), Sender::unknown;
-    last = {gateway_.name(from.link), group_of(gateway_, from), std::string{host_of(from)}};
+    last = {gateway_.link(from.link).name(), group_of(gateway_, from), std::string{host_of(from)}};
     return Sender::itself;
 }
 
 void GatewayDevices::log_unknown_sender(const Channel& from, std::uint8_t source) {
     if (service_.was_received_elsewhere(source)) return;
-    const std::string here = format_place(gateway_.name(from.link), from.peer), name = ano::hex_byte(source);
+    const std::string here = format_place(gateway_.link(from.link).name(), from.peer), name = ano::hex_byte(source);
     service_.record_elsewhere(source, here, gateway_.time());
     log_warning(
         "{} now sends on {}, but was last seen on {}: this may be another device, so it stays lost. If it is the same device: "
@@ -150,7 +152,7 @@ bool GatewayDevices::AlwaysListener::passes(const Channel& from, ano::FrameView 
         const auto since_1970 = std::chrono::system_clock::now().time_since_epoch();
         const auto ns = std::chrono::duration_cast<std::chrono::nanoseconds>(since_1970).count();
         const bool is_known = is_known_origin(of_.gateway_, from, frame.source());
-        service.record_log(frame, of_.gateway_.name(from.link), static_cast<std::uint64_t>(ns),
+        service.record_log(frame, of_.gateway_.link(from.link).name(), static_cast<std::uint64_t>(ns),
                            is_known ? DeviceLog::Origin::known : DeviceLog::Origin::anybody);
     }
     if (frame.id() == ano::id_of<"mode">) service.record_mode(frame, now);
@@ -272,14 +274,19 @@ ano::TimePoint GatewayDevices::now() { return gateway_.now(); }
 void GatewayDevices::listen(bool wants) {
     waiting_.clear();
     lost_.clear();
-    if (wants) gateway_.add_observer(*this, {.arrivals = false, .fates = true, .departures = true});
-    else gateway_.remove_observer(*this);
-    gateway_.on_answer_to_ourselves(wants ? [this](ano::FrameView frame) { service_.receive(frame, gateway_.now()); }
-                                          : std::function<void(ano::FrameView)>{});
-    gateway_.on_refusal_to_ourselves(wants ? [this](const std::string& why) {
-        if (sends_) refusal_.why = why;
-        else service_.refuse(gateway_.settings().gateway.id, why, gateway_.now());
-    } : std::function<void(const std::string&)>{});
+    if (wants) gateway_.forwarder().add_observer(*this, {.arrivals = false, .fates = true, .departures = true});
+    else gateway_.forwarder().remove_observer(*this);
+    listens_ = wants;
+}
+
+void GatewayDevices::own_answer(ano::FrameView frame) {
+    if (listens_) service_.receive(frame, gateway_.now());
+}
+
+void GatewayDevices::own_refusal(const std::string& why) {
+    if (!listens_) return;
+    if (sends_) refusal_.why = why;
+    else service_.refuse(gateway_.settings().gateway.id, why, gateway_.now());
 }
 
 bool GatewayDevices::may_have_waited(ano::TimePoint came_at) {
@@ -343,7 +350,7 @@ ano::Flush GatewayDevices::flush_parser(ano::FrameView next) {
 
 bool GatewayDevices::is_waiting(std::uint8_t address) {
     for (const ChannelId id : left_by_[address] & gateway_.forwarder().channels())
-        if (gateway_.channel(id).has_waiting(ourselves)) return true;
+        if (gateway_.forwarder().channel(id).has_waiting(ourselves)) return true;
     return false;
 }
 
@@ -352,7 +359,7 @@ std::string GatewayDevices::accepts_nothing(std::uint8_t address) {
     std::string why;
     for (const LinkState& state : gateway_.links()) {
         for (const ChannelId id : left_by_[address] & gateway_.forwarder().traffic(state.link->id()).channels) {
-            const Channel& channel = gateway_.channel(id);
+            const Channel& channel = gateway_.forwarder().channel(id);
             const SendCounters sent = channel.sent();
             const std::size_t held = state.up ? state.link->unsent() : 0;
             const bool waits = channel.waiting() > 0 || held > 0;
@@ -369,7 +376,7 @@ bool GatewayDevices::passes(const Channel& from, ano::FrameView frame) {
     heard_by_ = from.link;
     heard_from_ = from.id;
     if (!gateway_.forwarder().router().claims(frame.source(), from.id)) return service_.receive(frame, gateway_.time());
-    service_.record_elsewhere(frame, gateway_.name(from.link) + (from.peer.empty() ? "" : " (" + from.peer + ")"));
+    service_.record_elsewhere(frame, gateway_.link(from.link).name() + (from.peer.empty() ? "" : " (" + from.peer + ")"));
     return false;
 }
 
@@ -422,7 +429,7 @@ void GatewayDevices::dropped(const Channel& from, ano::FrameView frame, ReceiveC
 
 void GatewayDevices::refused(LinkId to, ano::FrameView, SendCause cause) {
     if (!sends_) return;
-    const std::string& name = gateway_.name(to);
+    const std::string& name = gateway_.link(to).name();
     if (cause == &SendCounters::link_down) refusal_ = {"not sent: the link '" + name + "' is down", true};
     if (!is_for_good(cause)) return;
     refusal_.why = cause == &SendCounters::too_big         ? "more DATA than the link '" + name + "' can carry"
@@ -438,10 +445,10 @@ std::vector<HeardAddress> GatewayDevices::heard(ano::TimePoint now) {
         if (row.via != Via::learned || ano::address::is_host(row.address) || row.address == service_.own()) continue;
         HeardAddress heard{row.address, {}, {}, row.heard_at};
         for (const ChannelId id : gateway_.forwarder().channels()) {
-            const Channel& channel = gateway_.channel(id);
+            const Channel& channel = gateway_.forwarder().channel(id);
             const auto at = gateway_.forwarder().router().heard_at(row.address, id);
             if (!at || (!heard.link.empty() && *at < *heard.heard_at)) continue;
-            heard.link = gateway_.name(channel.link);
+            heard.link = gateway_.link(channel.link).name();
             heard.peer = channel.peer;
             heard.heard_at = at;
         }
@@ -506,9 +513,9 @@ ano::host::RouteInfo GatewayDevices::route_info(std::uint8_t address, ano::TimeP
             last = at;
             where.was_heard = !router.are_all_down(id);
         }
-        const LinkId link = gateway_.channel(id).link;
+        const LinkId link = gateway_.forwarder().channel(id).link;
         if (!links.contains(link) || !router.heard_at(address, id)) continue;
-        const std::string& of_link = gateway_.settings(link).group;
+        const std::string& of_link = gateway_.link(link).settings().group;
         if (!of_link.empty() && of_link == group) continue;
         group = of_link;
         ++channels;
@@ -521,7 +528,7 @@ std::vector<std::string> GatewayDevices::links_in_conflict(std::uint8_t address,
     std::vector<std::string> names;
     for (const Conflict& conflict : gateway_.forwarder().router().conflicts(now)) {
         if (conflict.address != address) continue;
-        for (const LinkId link : conflict.links) names.emplace_back(gateway_.name(link));
+        for (const LinkId link : conflict.links) names.emplace_back(gateway_.link(link).name());
     }
     return names;
 }

@@ -5,6 +5,7 @@
 #include <devices/device_service.hpp>
 #include <gateway/drain_watch.hpp>
 #include <gateway/forwarder.hpp>
+#include <runtime/gateway_parts.hpp>
 #include <sys/alarm.hpp>
 #include <sys/background_task.hpp>
 
@@ -22,7 +23,7 @@ class Gateway;
 
 /// No cost while no request to a device is in progress, except during DeviceService::idle_after following the last one. Its
 /// source address is not learned.
-class GatewayDevices final : public DeviceNet, private Forwarder::Observer {
+class GatewayDevices final : public DeviceNet, private Forwarder::Observer, private GatewayEvents, private ScanService {
 public:
     /// `gateway` outlives it.
     explicit GatewayDevices(Gateway& gateway);
@@ -102,7 +103,11 @@ private:
         std::function<void()> work;
         std::function<void(std::string)> done;
     };
-    std::string scan(const std::function<void(const std::string&)>& on_found);
+    std::string scan(const std::function<void(const std::string&)>& on_found) override;
+    void channel_lost(ChannelId lost) override;
+    void own_answer(ano::FrameView frame) override;
+    void own_refusal(const std::string& why) override;
+    void stopping() override { stop(); }
     void start_next_task();
     void remember_notes();
     void remember_file(const std::string& folder, const std::string& name);
@@ -122,6 +127,7 @@ private:
     Alarm alarm_;
     BackgroundTask background_task_;
     std::deque<QueuedTask> queued_tasks_;    // waiting for background_task_
+    bool listens_ = false;
     bool sends_ = false;
     LinkId heard_by_{};                   // link of the frame that the service is processing
     ChannelId heard_from_ = ourselves;    // its channel

@@ -11,7 +11,7 @@ namespace anogate {
 /// or on a link that `source` is pinned to. In a network any sender can forge the address of a device.
 inline bool is_known_origin(const Gateway& gateway, const Channel& from, std::uint8_t source) {
     const Router& router = gateway.forwarder().router();
-    const bool is_wired = gateway.settings(from.link).kind->reach == nullptr;
+    const bool is_wired = gateway.link(from.link).settings().kind->reach == nullptr;
     return !router.claims(source, from.id) && (is_wired || router.pinned(source).contains(from.link));
 }
 

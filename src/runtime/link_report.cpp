@@ -57,11 +57,11 @@ LinkSet joined_by(const std::vector<Conflict>& conflicts, LinkId link) {
 // Of several loops, shows the last.
 void set_ring(LinkFigures& f, const Gateway& gateway, LinkSet links, TimePoint now) {
     for (const ChannelId id : gateway.forwarder().channels()) {
-        if (!links.contains(gateway.channel(id).link)) continue;
+        if (!links.contains(gateway.forwarder().channel(id).link)) continue;
         const auto ring = gateway.forwarder().loops().loop(id, now);
         if (!ring) continue;
-        f.ring_out = gateway.name(ring->out);
-        f.ring_back = gateway.name(ring->back);
+        f.ring_out = gateway.link(ring->out).name();
+        f.ring_back = gateway.link(ring->back).name();
     }
 }
 
@@ -193,7 +193,7 @@ LinkReport report_of(const Gateway& gateway, const LinkState& state, TimePoint n
     f.handshakes = unassigned.handshakes;
     f.without_frame = unassigned.without_frame;
     for (const ChannelId id : traffic.channels) {
-        const Channel& channel = gateway.channel(id);
+        const Channel& channel = gateway.forwarder().channel(id);
         add(f.received, channel.received());
         add(f.sent, channel.sent());
         f.echoes = f.echoes || channel.echo.echoes(now) || V7Notes::is_recent(channel.v7.echo, now);

@@ -37,7 +37,7 @@ OwnDevice::OwnDevice(Gateway& gateway, Reload& reload, std::string kept_path, Wr
                  await();
              }},
       background_task_{gateway.io()} {
-    gateway_.set_events(this);
+    gateway_.parts().enter(*this);
     reload_.on_settled([this] {    // not while it processes a request
         asio::post(gateway_.io(), [this, alive = std::weak_ptr<bool>{is_alive_}] {
             if (alive.expired()) return;
@@ -48,21 +48,29 @@ OwnDevice::OwnDevice(Gateway& gateway, Reload& reload, std::string kept_path, Wr
     configure();
 }
 
-OwnDevice::~OwnDevice() { stop(); }
+OwnDevice::~OwnDevice() {
+    gateway_.parts().leave(*this);
+    stopping();
+}
 
-void OwnDevice::stop() {
+void OwnDevice::stopping() {
     is_alive_.reset();
     reload_.on_settled({});
-    gateway_.set_events(nullptr);
-    gateway_.set_own(nullptr);
+    take_frames(false);
     alarm_.cancel();
     saves_.clear();
     background_task_.stop();
 }
 
+void OwnDevice::take_frames(bool wants) {
+    OwnFrames* const own = wants ? this : nullptr;
+    gateway_.parts().own = own;
+    gateway_.forwarder().set_own(own);
+}
+
 void OwnDevice::configure() {
     device_.configure(reload_.of_files(), reload_.written());
-    gateway_.set_own(device_.is_there() ? this : nullptr);
+    take_frames(device_.is_there());
     await();
 }
 
@@ -81,23 +89,24 @@ const Channel* OwnDevice::channel_of(Link link) const {
     const auto id = static_cast<ChannelId>(link & (max_channels - 1));
     const Place& place = places_[index(id)];
     if (place.link != link || !gateway_.forwarder().channels().contains(id)) return nullptr;
-    const Channel& channel = gateway_.channel(id);
+    const Channel& channel = gateway_.forwarder().channel(id);
     return channel.opened_at == place.opened_at ? &channel : nullptr;
 }
 
 void OwnDevice::take(const Channel& from, ano::FrameView frame, TimePoint now) {
     if (!GatewayDevice::concerns(frame.id())) return;
     const bool is_ours = from.id == ourselves;
-    const bool may_manage = is_ours ? gateway_.settings().control.manage : gateway_.settings(from.link).manage;
-    device_.take(frame, {link_of(from), is_ours ? "control" : gateway_.name(from.link), may_manage, is_ours}, now);
+    const bool may_manage = is_ours ? gateway_.settings().control.manage : gateway_.link(from.link).settings().manage;
+    device_.take(frame, {link_of(from), is_ours ? "control" : gateway_.link(from.link).name(), may_manage, is_ours}, now);
     await();
 }
 
 void OwnDevice::send_waiting() {
     while (const auto out = device_.next()) {
-        if (out->link == ano::device::every_link) gateway_.send_to_active_channels(out->frame);
+        if (out->link == ano::device::every_link) gateway_.forwarder().send_to_active_channels(out->frame, gateway_.now());
         else if (out->link == link_of_ourselves) answer_ourselves(out->frame);
-        else if (const Channel* channel = channel_of(out->link)) gateway_.answer(channel->id, out->frame);
+        else if (const Channel* channel = channel_of(out->link))
+            gateway_.forwarder().answer(channel->id, out->frame, gateway_.now());
         else device_.forget(out->link);
     }
 }
@@ -106,7 +115,7 @@ void OwnDevice::send_waiting() {
 void OwnDevice::answer_ourselves(ano::FrameView frame) {
     asio::post(gateway_.io(), [this, alive = std::weak_ptr<bool>{is_alive_},
                                bytes = std::vector<std::uint8_t>{frame.bytes().begin(), frame.bytes().end()}] {
-        if (!alive.expired()) gateway_.answer_ourselves(ano::FrameView{bytes});
+        if (!alive.expired()) gateway_.parts().tell(&GatewayEvents::own_answer, ano::FrameView{bytes});
     });
 }
 
@@ -115,7 +124,7 @@ void OwnDevice::await() {
 }
 
 void OwnDevice::send_log(const std::string& line, LogColor color) {
-    if (!device_.is_there()) return;
+    if (!is_alive_ || !device_.is_there()) return;
     device_.log(line, color, gateway_.time());
     alarm_.set_no_later(gateway_.time());
 }
@@ -202,7 +211,9 @@ std::string OwnDevice::restart(const std::string& link) {
 }
 
 std::string OwnDevice::scan() {
-    return gateway_.scan([this](const std::string& line) { send_log(line, LogColor::standard); });
+    ScanService* const service = gateway_.parts().scan;
+    return service ? service->scan([this](const std::string& line) { send_log(line, LogColor::standard); })
+                   : "requests to devices are not available here";
 }
 
 std::string OwnDevice::pulse(std::size_t number) {
@@ -217,12 +228,12 @@ std::string OwnDevice::pulse(std::size_t number) {
 }
 
 std::string OwnDevice::start_recording() {
-    RecordingService* const service = gateway_.recording();
+    RecordingService* const service = gateway_.parts().recording;
     return service ? service->start_recording() : "recording is not available here";
 }
 
 std::string OwnDevice::stop_recording() {
-    RecordingService* const service = gateway_.recording();
+    RecordingService* const service = gateway_.parts().recording;
     return service ? service->stop_recording() : "recording is not available here";
 }
 
@@ -243,7 +254,7 @@ std::vector<LinkSummary> OwnDevice::summaries() {
 
 void OwnDevice::warn(const std::string& line) { log_warning("{}", line); }
 
-void OwnDevice::describe(nlohmann::ordered_json& gateway) const {
+void OwnDevice::describe_gateway(nlohmann::ordered_json& gateway) const {
     if (!device_.is_there()) return;
     nlohmann::ordered_json parameters = nlohmann::ordered_json::array();
     for (const ManagedValue& value : device_.values())

@@ -18,7 +18,7 @@ class Reload;
 struct ReloadOutcome;
 
 /// The source address of its frames is not learned. The rules of the sending links apply to the frames.
-class OwnDevice final : public GatewayEvents, private Forwarder::Own, private GatewayOperations {
+class OwnDevice final : private GatewayEvents, private OwnFrames, private GatewayOperations {
 public:
     /// `kept_path`: kept_parameters_path(), the file with `kept`. `gateway` and `reload` must outlive this object.
     OwnDevice(Gateway& gateway, Reload& reload, std::string kept_path, WrittenValues kept);
@@ -29,15 +29,14 @@ public:
     /// To be called when the running configuration is known. Removes kept values that the configuration file has overruled;
     /// otherwise they would take effect again when the file returns to its old value.
     void keep_in_step();
-    /// To be called when the gateway stops: nothing more is sent.
-    void stop();
 
+private:
+    /// Nothing more is sent.
+    void stopping() override;
     void send_waiting() override;
     void link_changed(const LinkState& link) override;
     void conflict_began(const std::string& what) override;
-    void describe(nlohmann::ordered_json& gateway) const override;
-
-private:
+    void describe_gateway(nlohmann::ordered_json& gateway) const override;
     void take(const Channel& from, ano::FrameView frame, TimePoint now) override;
     void apply(const WrittenValues& written) override;
     std::string save(const WrittenValues& written) override;
@@ -48,13 +47,14 @@ private:
     std::string start_recording() override;
     std::string stop_recording() override;
     std::vector<LinkSummary> summaries() override;
-    void refuse_ourselves(const std::string& why) override { gateway_.refuse_ourselves(why); }
+    void refuse_ourselves(const std::string& why) override { gateway_.parts().tell(&GatewayEvents::own_refusal, why); }
     void warn(const std::string& line) override;
 
     using Link = GatewayDevice::Link;
     Link link_of(const Channel& channel);
     const Channel* channel_of(Link link) const;
     void configure();
+    void take_frames(bool wants);
     void send_log(const std::string& line, GatewayDevice::LogColor color);
     void send_log(const ReloadOutcome& outcome);
     void await();

@@ -213,7 +213,7 @@ void Reload::changed(const std::shared_ptr<Job>& job, const Done& done) {
         state.runs = ConfigState::Runs::file;
         state.confirm_by.reset();
         forget_stale();
-        gateway_.settle_flexible();
+        gateway_.layouts().settle();
     }
     gateway_.set_config_state(std::move(state));
     settle();
@@ -250,7 +250,7 @@ void Reload::begin_confirm(const std::function<void(std::string)>& done) {
             gateway_.set_config_state(std::move(state));
             log_info("reload: confirmed");
             forget_stale();
-            gateway_.settle_flexible();
+            gateway_.layouts().settle();
             settle();
         }
         done(std::move(fault));
@@ -277,7 +277,7 @@ void Reload::roll_back() {
 
 void Reload::rolled_back(const Difference& difference) {
     log_difference(difference);
-    gateway_.restore_flexible();
+    gateway_.layouts().restore();
     ConfigState state = gateway_.config_state();
     state.runs = ConfigState::Runs::not_the_file;
     state.confirm_by.reset();

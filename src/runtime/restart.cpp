@@ -53,9 +53,9 @@ RestartState receive_restart_state() {
     return std::move(*state);
 }
 
-void send_restart_state(const Gateway& gateway) {
+void send_restart_state(const Gateway& gateway, const ClockReading& unread_since) {
     if (!std::getenv("NOTIFY_SOCKET")) return;
-    const RestartState state = state_of(gateway);
+    const RestartState state = state_of(gateway, unread_since);
     const UniqueFd text = memory_with(to_string(state));
     std::vector<int> wires;
     for (const RestartState::OfLink& link : state.links)

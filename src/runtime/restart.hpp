@@ -7,7 +7,7 @@ namespace anogate {
 /// The state that the previous run stored; empty without one, or without systemd. Descriptors that can't be used are closed.
 RestartState receive_restart_state();
 
-/// Stores the state of the gateway for the next run. The gateway must have stopped reading.
-void send_restart_state(const Gateway& gateway);
+/// Stores the state of the gateway for the next run; it stopped reading at `unread_since`.
+void send_restart_state(const Gateway& gateway, const ClockReading& unread_since);
 
 }    // namespace anogate

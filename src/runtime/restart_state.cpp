@@ -137,8 +137,8 @@ WireIdentity WireIdentity::of(int fd) noexcept {
     return fd >= 0 && ::fstat(fd, &info) == 0 ? WireIdentity{info.st_dev, info.st_ino} : WireIdentity{};
 }
 
-RestartState state_of(const Gateway& gateway) {
-    RestartState state{gateway.unread_since()};
+RestartState state_of(const Gateway& gateway, const ClockReading& unread_since) {
+    RestartState state{unread_since};
     for (const LinkState& s : gateway.links()) {
         RestartState::OfLink stored{s.link->name()};
         const int wire = s.link->storable_wire();
@@ -147,7 +147,7 @@ RestartState state_of(const Gateway& gateway) {
         stored.link.peers = s.link->peers();
         stored.brought = gateway.forwarder().brought_by(s.link->id(), state.unread_since.now - DuplicateGuard::usual_window);
         for (const ChannelId id : gateway.forwarder().traffic(s.link->id()).channels) {
-            const Channel& channel = gateway.channel(id);
+            const Channel& channel = gateway.forwarder().channel(id);
             stored.channels.push_back(stored_channel(channel, gateway.forwarder().router()));
             if (stored.link.peers.empty()) stored.link.rest.assign(channel.parser.rest().begin(), channel.parser.rest().end());
         }

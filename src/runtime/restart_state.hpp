@@ -52,7 +52,7 @@ inline constexpr std::size_t max_stored_frames = 4096;
 
 /// The gateway must have stopped reading. The descriptors are duplicates: both programs have them open until the gateway closes
 /// its own.
-RestartState state_of(const Gateway& gateway);
+RestartState state_of(const Gateway& gateway, const ClockReading& unread_since);
 
 /// The state without the descriptors, as text.
 std::string to_string(const RestartState& state);

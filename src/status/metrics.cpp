@@ -207,7 +207,7 @@ MetricsSnapshot::Link snapshot_of(const Gateway& gateway, const LinkState& state
         }
     link.traffic = {report.figures.received, report.figures.sent, report.waiting};
     for (const ChannelId id : gateway.forwarder().traffic(state.link->id()).channels) {
-        const Channel& channel = gateway.channel(id);
+        const Channel& channel = gateway.forwarder().channel(id);
         auto& entry = link.channels.emplace_back();
         entry.peer = channel.peer;
         if (channel.heard_at != TimePoint{}) entry.silent_s = in_seconds(now - channel.heard_at);
@@ -232,7 +232,7 @@ MetricsSnapshot metrics_snapshot(const Gateway& gateway, TimePoint now) {
     s.conflicts = gateway.forwarder().router().conflicts(now).size();
     for (const LinkState& state : gateway.links()) s.links.push_back(snapshot_of(gateway, state, now));
     if (const TunnelLink* tunnel = gateway.tunnel()) s.tunnel = tunnel->counters();
-    if (gateway.recording()) s.recording = gateway.recording()->figures();
+    if (RecordingService* const recording = gateway.parts().recording) s.recording = recording->figures();
     s.process = this_process();
     return s;
 }

@@ -94,7 +94,8 @@ Json link_json(const Gateway& gateway, const LinkState& state, TimePoint now) {
     const LinkTraffic& traffic = gateway.forwarder().traffic(state.link->id());
     if (traffic.replayed.any()) json["replayed"] = replayed_json(traffic.replayed);
     json["channels"] = Json::array();
-    for (const ChannelId id : traffic.channels) json["channels"].push_back(channel_json(gateway.channel(id), *state.link, now));
+    for (const ChannelId id : traffic.channels)
+        json["channels"].push_back(channel_json(gateway.forwarder().channel(id), *state.link, now));
     put(json, report.figures.received, report.figures.sent, report.waiting);
     if (report.figures.longest_image > 0) json["longest_image"] = report.figures.longest_image;
     return json;
@@ -102,7 +103,7 @@ Json link_json(const Gateway& gateway, const LinkState& state, TimePoint now) {
 
 Json names(const Gateway& gateway, LinkSet links) {
     Json json = Json::array();
-    for (const LinkId id : links) json.push_back(gateway.name(id));
+    for (const LinkId id : links) json.push_back(gateway.link(id).name());
     return json;
 }
 
@@ -125,7 +126,7 @@ Json conflicts_json(const Gateway& gateway, TimePoint now) {
         json.push_back({{"address", ano::hex_byte(c.address)}, {"links", names(gateway, c.links)}, {"count", c.count}});
         Json& by = json.back()["claimed_by"] = nullptr;
         if (const Forwarder::Claimant* claimant = gateway.forwarder().claimant(c))
-            by = {{"link", gateway.name(claimant->link)}, {"peer", claimant->peer}};
+            by = {{"link", gateway.link(claimant->link).name()}, {"peer", claimant->peer}};
         const Router& router = gateway.forwarder().router();
         const LinkSet pinned = router.pinned(c.address);
         json.back()["home"] = names(gateway, pinned.empty() ? router.learned(c.address, now).links : pinned);
@@ -144,10 +145,10 @@ Json gateway_json(const Gateway& gateway, TimePoint now) {
     json["uptime_s"] = in_seconds(now - gateway.started_at());
     json["standstills"] = gateway.loop().standstills();
     json["longest_standstill_s"] = in_seconds(gateway.loop().longest());
-    json["decoding_changes"] = gateway.decoding_changes();
+    json["decoding_changes"] = gateway.layouts().changes();
     json["own_frames"] = gateway.forwarder().router().own_frames();
     json["config"] = config_json(gateway.config_state(), now);
-    if (gateway.events()) gateway.events()->describe(json);
+    for (const GatewayEvents* part : gateway.parts().listeners) part->describe_gateway(json);
     return json;
 }
 
@@ -194,7 +195,7 @@ Json links_array(const Gateway& gateway, TimePoint now) {
 
 Json recording_json(const Gateway& gateway) {
     Json json;    // null: there are no recordings
-    if (gateway.recording()) gateway.recording()->describe(json);
+    if (RecordingService* const recording = gateway.parts().recording) recording->describe(json);
     return json;
 }
 

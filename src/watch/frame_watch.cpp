@@ -23,7 +23,7 @@ WatchQueue::Tables tables_of(const Gateway& gateway) {
     }
     for (const ChannelId id : gateway.forwarder().channels()) {
         tables.peers.resize(index(id) + 1);
-        tables.peers[index(id)] = gateway.channel(id).peer;
+        tables.peers[index(id)] = gateway.forwarder().channel(id).peer;
     }
     tables.decoding = gateway.decoding();
     tables.text = tables_json(tables);
@@ -51,7 +51,7 @@ FrameWatch::FrameWatch(Gateway& gateway)
                                     }} {}
 
 FrameWatch::~FrameWatch() {
-    if (!streams_.empty()) gateway_.remove_observer(*this);
+    if (!streams_.empty()) gateway_.forwarder().remove_observer(*this);
 }
 
 void FrameWatch::add(Watcher& watcher, const FrameFilterSettings& settings) {
@@ -93,7 +93,7 @@ void FrameWatch::remove(Watcher& watcher) {
     std::erase_if(streams_, [](const auto& stream) { return stream->watchers.empty(); });
     if (!streams_.empty()) return observe();
     if (before == 0) return;
-    gateway_.remove_observer(*this);
+    gateway_.forwarder().remove_observer(*this);
     links_due_.cancel();
     tables_.reset();
     memory_.clear();
@@ -108,7 +108,7 @@ void FrameWatch::observe() {
         wants.fates = wants.fates || dropped;
         wants.departures = wants.departures || out || dropped;
     }
-    gateway_.add_observer(*this, wants);
+    gateway_.forwarder().add_observer(*this, wants);
 }
 
 void FrameWatch::received(const Channel& from, ano::FrameView frame, TimePoint arrived_at) {

@@ -65,7 +65,7 @@ TEST(BackPressure, a_reader_of_a_few_bytes_at_a_time_gets_whole_frames_only) {
         daemon.until([&] { return daemon.count("air", "frames_in") == n; });
         got = got + slow.read(7 + n % 31);
         ASSERT_TRUE(daemon.counters_add_up());
-        const auto& outbox = daemon.gateway().channel(anogate::ChannelId{0}).outbox;
+        const auto& outbox = daemon.gateway().forwarder().channel(anogate::ChannelId{0}).outbox;
         ASSERT_LE(outbox.waiting_bytes(), link.queue + 100);
     }
     EXPECT_GT(daemon.count("slow", "queue_full"), 1000u);

@@ -353,7 +353,7 @@ TEST_F(Change, links_share_a_group_exactly_if_their_group_names_are_equal) {
     const auto number_of = [&](const std::string& name) {
         for (std::uint8_t n = 1; n < 10; ++n)
             for (const auto id : gateway->gateway().forwarder().router().group(n))
-                if (gateway->gateway().name(id) == name) return int{n};
+                if (gateway->gateway().link(id).name() == name) return int{n};
         return 0;
     };
     const int one = number_of("a");

@@ -3,9 +3,15 @@
 #include "running_gateway.hpp"
 #include "temp_dir.hpp"
 
+#include <control/raw_streams.hpp>
 #include <control/routes.hpp>
+#include <control/watch_session.hpp>
+#include <foxglove/foxglove_streams.hpp>
 #include <http/client/client.hpp>
 #include <http/server.hpp>
+#include <http/task_pool.hpp>
+#include <runtime/gateway_devices.hpp>
+#include <watch/frame_watch.hpp>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -22,7 +28,7 @@ class ControlledGateway {
 public:
     explicit ControlledGateway(anogate::Settings settings, const anogate::http::ServerLimits& limits = {})
         : gateway{loop, std::move(settings)}, server{loop.io, limits} {
-        anogate::add_routes(server.routes(), gateway.gateway());
+        anogate::add_routes(server.routes(), {gateway.gateway(), devices.service(), frames, foxglove, raw, disk});
         EXPECT_EQ(server.start(path).error, "");
     }
     explicit ControlledGateway(std::vector<std::string> links) : ControlledGateway{settings_of_texts(std::move(links))} {}
@@ -48,6 +54,12 @@ public:
     std::string path = dir / "control.sock";
     Loop loop;
     RunningGateway gateway;
+    anogate::GatewayDevices devices{gateway.gateway()};
+    anogate::FrameWatch watch{gateway.gateway()};
+    anogate::FrameStreams frames{gateway.gateway(), watch};
+    anogate::FoxgloveStreams foxglove{gateway.gateway(), watch, devices.service()};
+    anogate::RawStreams raw{gateway.gateway()};
+    anogate::TaskPool disk{loop.io};
     anogate::http::Server server;
 };
 

@@ -35,7 +35,8 @@ RunningGateway::RunningGateway(std::unique_ptr<Loop> own, anogate::Settings sett
 }
 RunningGateway::RunningGateway(Loop& loop, anogate::Settings settings) : loop_{loop}, gateway_{loop.io, std::move(settings)} {
     std::signal(SIGPIPE, SIG_IGN);    // as anogated does
-    gateway_.start([this](const std::string& name) { missing_ = name; });
+    gateway_.parts().enter(*this);
+    gateway_.start();
 }
 RunningGateway::RunningGateway(Loop& loop, std::vector<std::string> links)
     : RunningGateway{loop, settings_of_texts(std::move(links))} {}
@@ -106,7 +107,7 @@ bool RunningGateway::counters_add_up() {
         const anogate::LinkTraffic& traffic = gateway_.forwarder().traffic(state.link->id());
         if (anogate::unaccounted(traffic.gone_sent) != 0) return false;
         for (const anogate::ChannelId id : traffic.channels) {
-            const anogate::Channel& channel = gateway_.channel(id);
+            const anogate::Channel& channel = gateway_.forwarder().channel(id);
             if (anogate::unaccounted(channel.sent()) != channel.waiting()) return false;
         }
     }
@@ -120,7 +121,7 @@ std::optional<std::uint64_t> RunningGateway::figure(const anogate::LinkState& st
     std::size_t waiting = 0;
     add(received, state.link->unassigned_traffic().received);
     for (const anogate::ChannelId id : traffic.channels) {
-        const anogate::Channel& channel = gateway_.channel(id);
+        const anogate::Channel& channel = gateway_.forwarder().channel(id);
         add(received, channel.received());
         add(sent, channel.sent());
         waiting += channel.waiting();

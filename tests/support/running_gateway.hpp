@@ -24,7 +24,7 @@ anogate::Settings settings_of(std::vector<anogate::LinkSettings> links, anogate:
 /// The settings for LINK texts as a user writes them.
 anogate::Settings settings_of_texts(std::vector<std::string> links);
 
-class RunningGateway {
+class RunningGateway : private anogate::GatewayEvents {
 public:
     explicit RunningGateway(anogate::Settings settings);
     RunningGateway(std::initializer_list<anogate::LinkSettings> links);
@@ -60,6 +60,7 @@ public:
     bool counters_add_up();
 
 private:
+    void required_missing(const std::string& link) override { missing_ = link; }
     RunningGateway(std::unique_ptr<Loop> own, anogate::Settings settings);
     std::optional<std::uint64_t> figure(const anogate::LinkState& state, const std::string& counter);
 

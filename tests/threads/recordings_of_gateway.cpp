@@ -80,6 +80,10 @@ protected:
             a.send(gateway.port("a"), support::frame(0xDC, 0xFF, 0x03, {1, 2, 3, 4, 5, 6, 0}));
         ASSERT_TRUE(gateway.until([&] { return gateway.count("a", "frames_in") == count; }));
     }
+    void lose_the_link() {
+        anogate::Gateway& its = gateway.gateway();
+        its.parts().tell(&anogate::GatewayEvents::link_lost, its.links().front());
+    }
     static std::size_t frames_in(const std::filesystem::path& file) {
         return support::read_pcapng(support::file_text(file)).items.size();
     }
@@ -89,7 +93,8 @@ protected:
     const support::TempDir dir;
     support::UdpPeer a;
     support::RunningGateway gateway{settings()};
-    Recordings recordings{gateway.gateway(), dir / "recordings"};
+    FrameWatch watch{gateway.gateway()};
+    Recordings recordings{gateway.gateway(), watch, dir / "recordings"};
     const support::WellAgain well_again{};
 };
 
@@ -107,8 +112,8 @@ TEST_F(RecordingsOfGateway, of_the_last_frames_refuse_a_second_save_while_the_fi
 
 TEST_F(RecordingsOfGateway, of_the_last_frames_for_a_fault_wait_for_the_save_of_a_client) {
     const auto first = save_that_hangs();
-    recordings.link_lost(gateway.gateway().links().front());
-    recordings.link_lost(gateway.gateway().links().front());
+    lose_the_link();
+    lose_the_link();
     EXPECT_EQ(recordings.figures().skipped, 1u) << "the second in one minute";
     gateway.run_for(50ms);
     EXPECT_EQ(failing_disk.hanging, 1) << "one at a time";
@@ -120,7 +125,7 @@ TEST_F(RecordingsOfGateway, of_the_last_frames_for_a_fault_wait_for_the_save_of_
 
 TEST_F(RecordingsOfGateway, of_the_last_frames_are_waited_for_at_the_end_and_answered) {
     const auto first = save_that_hangs();
-    recordings.link_lost(gateway.gateway().links().front());
+    lose_the_link();
     recordings.stop();
     EXPECT_EQ(recordings.save_last({}, {}).status, 503u);
     EXPECT_EQ(*first, 0u);
@@ -131,7 +136,7 @@ TEST_F(RecordingsOfGateway, of_the_last_frames_are_waited_for_at_the_end_and_ans
 }
 
 TEST_F(RecordingsOfGateway, of_the_last_frames_that_are_due_at_the_end_are_saved) {
-    recordings.link_lost(gateway.gateway().links().front());
+    lose_the_link();
     recordings.stop();
     ASSERT_TRUE(gateway.until([&] { return recordings.figures().saved == 1; }));
     EXPECT_EQ(saved_for_lost_links(), 1);
@@ -140,7 +145,7 @@ TEST_F(RecordingsOfGateway, of_the_last_frames_that_are_due_at_the_end_are_saved
 TEST_F(RecordingsOfGateway, of_the_last_frames_use_the_settings_and_frames_of_the_time_of_the_event) {
     receive(3);
     const auto first = save_that_hangs();
-    recordings.link_lost(gateway.gateway().links().front());
+    lose_the_link();
     Settings other = settings();
     other.record->keep_last = std::nullopt;
     other.record->folder = dir / "elsewhere";
@@ -186,15 +191,15 @@ TEST_F(RecordingsOfGateway, of_the_last_frames_are_saved_for_a_fault_received_ju
 
 TEST_F(RecordingsOfGateway, of_the_last_frames_that_failed_are_retried_before_the_minute_ends) {
     failing_disk.write_error = ENOSPC;
-    recordings.link_lost(gateway.gateway().links().front());
-    recordings.link_lost(gateway.gateway().links().front());
+    lose_the_link();
+    lose_the_link();
     EXPECT_EQ(recordings.figures().skipped, 1u);
     ASSERT_TRUE(gateway.until([&] { return saves_failed(); }));
     failing_disk.write_error = 0;
-    recordings.link_lost(gateway.gateway().links().front());
+    lose_the_link();
     EXPECT_EQ(recordings.figures().skipped, 2u) << "it is tried again in 5 s";
     gateway.run_for(Recordings::after_a_failed_save);
-    recordings.link_lost(gateway.gateway().links().front());
+    lose_the_link();
     ASSERT_TRUE(gateway.until([&] { return recordings.figures().saved == 1; }));
 }
 

@@ -4,14 +4,20 @@
 #include <config/config.hpp>
 #include <control/control_listeners.hpp>
 #include <control/flexible_control.hpp>
+#include <control/raw_streams.hpp>
 #include <control/recording_routes.hpp>
 #include <control/reload_routes.hpp>
 #include <control/routes.hpp>
+#include <control/watch_session.hpp>
+#include <foxglove/foxglove_streams.hpp>
+#include <http/task_pool.hpp>
 #include <link/kinds.hpp>
 #include <recording/recordings.hpp>
 #include <runtime/gateway.hpp>
+#include <runtime/gateway_devices.hpp>
 #include <runtime/reload.hpp>
 #include <sys/asio.hpp>
+#include <watch/frame_watch.hpp>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -48,9 +54,15 @@ TEST(Manual, in_the_repository_matches_the_tables) {
     anogate::asio::io_context io;
     anogate::Gateway gateway{io, {}};
     anogate::Reload reload{io, gateway, {}, [] { return anogate::ReadConfig{}; }, {}};
-    anogate::Recordings recordings{gateway, {}};
+    anogate::GatewayDevices devices{gateway};
+    anogate::FrameWatch watch{gateway};
+    anogate::FrameStreams frames{gateway, watch};
+    anogate::FoxgloveStreams foxglove{gateway, watch, devices.service()};
+    anogate::RawStreams raw{gateway};
+    anogate::TaskPool disk{io};
+    anogate::Recordings recordings{gateway, watch, {}};
     anogate::ControlListeners listener{io, {}};
-    anogate::add_routes(listener.routes(), gateway);
+    anogate::add_routes(listener.routes(), {gateway, devices.service(), frames, foxglove, raw, disk});
     anogate::add_reload_routes(listener.routes(), reload);
     anogate::add_recording_routes(listener.routes(), recordings);
     anogate::FlexibleControl flexible{gateway, {}, {}};
