@@ -142,7 +142,7 @@ http::Response RawStreams::answer(const http::Request& request) {
     const auto& links = gateway_.links();
     const auto state = std::find_if(links.begin(), links.end(), [&](const LinkState& s) { return s.link->name() == name; });
     if (state == links.end()) return http::error(404, unknown_link(name, links));
-    if (!state->link->raw_port())
+    if (!state->link->as<RawPort>())
         return http::error(409, "the raw bytes of a " + std::string{state->link->settings().kind->name} +
                                     " link are not available, only those of serial, hid, pty, udp, tcp and sim links");
     const auto exclusive = parse_flag("exclusive", request.query_value("exclusive").value_or("no"));
@@ -157,7 +157,7 @@ http::Response RawStreams::answer(const http::Request& request) {
 
 std::string RawStreams::join(RawSocket& socket) {
     for (const LinkState& state : gateway_.links()) {
-        RawPort* const port = state.link->name() == socket.link() ? state.link->raw_port() : nullptr;
+        RawPort* const port = state.link->name() == socket.link() ? state.link->as<RawPort>() : nullptr;
         if (!port) continue;
         if (socket.is_exclusive() && is_exclusive(socket.link())) return "another client has exclusive use of the link";
         if (tapped_.empty())

@@ -20,13 +20,22 @@
 namespace anogate {
 
 class Link;
-class RawPort;
 
-/// The gateway as its links see it. A link calls it from the loop only.
-class LinkHost {
+/// The clock of the loop.
+class LoopClock {
 public:
-    /// A new channel of `link`; nullptr if all 64 are in use. Valid until close_channel(). Its outbox is closed at first.
-    virtual Channel* open_channel(Link& link, std::string peer) = 0;
+    /// Reads the clock; once per batch is enough. The next frames received get this time.
+    virtual TimePoint now() = 0;
+    /// The same, to be called after a read; the result is used to find when the data arrived.
+    virtual const StallDetector& turn() = 0;
+
+protected:
+    ~LoopClock() = default;
+};
+
+/// The other links of the gateway, as a link sees them. The defaults: there are none.
+class OtherLinks {
+public:
     /// Before open_channel() for a new peer of a listening link: if all channels are in use, one peer of a listening link frees its
     /// channel. It has sent no command and is not trusted. For an ordinary peer, it must also have been silent for too long.
     virtual void make_channel_free(PeerBook::Rank) {}
@@ -36,6 +45,20 @@ public:
     virtual void leave_group(Channel&) {}
     /// Whether another link of the group of this channel is connected, and can carry its frames.
     virtual bool has_connected_mate(const Channel&) const { return false; }
+    /// Whether one of our links, of any kind, is bound to this UDP port.
+    virtual bool is_own_port(std::uint16_t) const { return false; }
+    /// The channels of working links whose outboxes are not empty.
+    virtual ChannelSet busy_channels() const { return {}; }
+
+protected:
+    ~OtherLinks() = default;
+};
+
+/// The gateway as its links see it. A link calls it from the loop only.
+class LinkHost : public LoopClock, public OtherLinks {
+public:
+    /// A new channel of `link`; nullptr if all 64 are in use. Valid until close_channel(). Its outbox is closed at first.
+    virtual Channel* open_channel(Link& link, std::string peer) = 0;
     /// `why` is for the log: what its peer did; may be empty.
     virtual void close_channel(Channel& channel, std::string_view why) = 0;
 
@@ -45,30 +68,20 @@ public:
     virtual void flush() = 0;
 
     /// The link works: opens the outboxes of all its channels.
-    virtual void link_up(Link& link) = 0;
+    void link_up(Link& link) { changed(link, LinkEvent::up, {}); }
     /// The link does not work; `why` is the reason. Closes the outboxes. Repeated calls only change `why`.
-    virtual void link_down(Link& link, LinkError why) = 0;
-
+    void link_down(Link& link, LinkError why) { changed(link, LinkEvent::down, std::move(why)); }
     /// The peer of `link` refuses datagrams, so that another link of its group should be used.
-    virtual void report_unreachable(Link&) {}
+    void report_unreachable(Link& link) { changed(link, LinkEvent::unreachable, {}); }
     /// Link::trouble() of a link that may be up: it is new and should be logged.
-    virtual void report_trouble(Link&, const LinkError&) {}
+    void report_trouble(Link& link, LinkError trouble) { changed(link, LinkEvent::trouble, std::move(trouble)); }
 
     /// The stored state of `link` from the previous run of the program; std::nullopt: none, or an earlier call returned it.
     virtual std::optional<StoredLink> claim_stored(const Link&) { return std::nullopt; }
 
-    /// Whether one of our links, of any kind, is bound to this UDP port.
-    virtual bool is_own_port(std::uint16_t) const { return false; }
-
-    /// The channels of working links whose outboxes are not empty.
-    virtual ChannelSet busy_channels() const { return {}; }
-
-    /// Reads the clock; once per batch is enough. The next frames received get this time.
-    virtual TimePoint now() = 0;
-    /// The same, to be called after a read; the result is used to find when the data arrived.
-    virtual const StallDetector& turn() = 0;
-
 protected:
+    enum class LinkEvent : std::uint8_t { up, down, unreachable, trouble };
+    virtual void changed(Link& link, LinkEvent event, LinkError why) = 0;
     ~LinkHost() = default;
 };
 
@@ -108,38 +121,92 @@ public:
     virtual void stop() = 0;
     /// Sends the frames in the outbox of `channel`: as many as can be written now, and the rest later.
     virtual void flush(Channel& channel) = 0;
-    /// Closes the channel of one peer to free it for another link. Only links with a channel for each peer do so.
-    virtual void forget_peer(ChannelId) {}
-    /// The peer that frees its channel if all channels of the gateway are in use, see LinkHost::make_channel_free(): the longest
-    /// silent one. std::nullopt: none.
-    virtual std::optional<ChannelId> peer_to_replace(PeerBook::Rank, TimePoint) const { return std::nullopt; }
-    /// Bytes in the kernel that are not on the wire yet, which stop() would lose; 0 where that is unknown.
-    virtual std::size_t unsent() const { return 0; }
-    /// The UDP port it listens on; 0: none.
-    virtual std::uint16_t local_port() const { return 0; }
-    /// The open descriptor, if the next run of the program can continue with it; -1: none.
-    virtual int storable_wire() const { return -1; }
-    /// The peers to store for the next run of the program.
-    virtual std::vector<StoredPeer> peers() const { return {}; }
-    /// Since when the peer of `channel` only listens: a host that sent a single datagram. std::nullopt: it is none.
-    virtual std::optional<TimePoint> listening_since(ChannelId) const { return std::nullopt; }
-    /// The time since when data waits without any acknowledgement of the peer of `channel`; std::nullopt: the link does not know.
-    virtual std::optional<std::chrono::milliseconds> unacknowledged_for(ChannelId) const { return std::nullopt; }
     virtual LinkFacts facts() const { return {}; }
     /// A problem while the link is up, such as "the peer refuses"; empty: none.
     virtual LinkError trouble() const { return {}; }
-    /// Whether nothing more will be received: a recording is at its end.
-    virtual bool is_over() const { return false; }
-    /// The decoding of the recording that is being replayed; nullptr: none is.
-    virtual DecodingPtr decoding() const { return nullptr; }
-    /// Received data that was refused before it belonged to a channel.
-    virtual UnassignedTraffic unassigned_traffic() const { return {}; }
-    /// Access to the raw bytes of the link; nullptr: a kind whose bytes can't be shown or written by hand.
-    virtual RawPort* raw_port() { return nullptr; }
+
+    /// What the kind of link has beyond that: one of the classes below, or RawPort; nullptr: it has not.
+    template <class T>
+    T* as() noexcept {
+        return dynamic_cast<T*>(this);
+    }
+    template <class T>
+    const T* as() const noexcept {
+        return dynamic_cast<const T*>(this);
+    }
 
 private:
     LinkId id_;
     LinkSettings settings_;
+};
+
+/// A link with a channel for each of several peers.
+class PeerPlaces {
+public:
+    /// Closes the channel of one peer to free it for another link.
+    virtual void forget_peer(ChannelId) = 0;
+    /// The peer that frees its channel if all channels of the gateway are in use, see LinkHost::make_channel_free(): the longest
+    /// silent one. std::nullopt: none.
+    virtual std::optional<ChannelId> peer_to_replace(PeerBook::Rank, TimePoint) const = 0;
+    /// Since when the peer of the channel only listens: a host that sent a single datagram. std::nullopt: it is none.
+    virtual std::optional<TimePoint> listening_since(ChannelId) const { return std::nullopt; }
+    /// The time since when data waits without any acknowledgement of the peer; std::nullopt: the link does not know.
+    virtual std::optional<std::chrono::milliseconds> unacknowledged_for(ChannelId) const { return std::nullopt; }
+
+protected:
+    ~PeerPlaces() = default;
+};
+
+/// A link that receives data which belongs to no channel.
+class UnassignedReceiver {
+public:
+    virtual UnassignedTraffic unassigned_traffic() const = 0;
+
+protected:
+    ~UnassignedReceiver() = default;
+};
+
+/// A link that knows what the kernel has not sent yet.
+class KernelQueue {
+public:
+    /// Bytes in the kernel that are not on the wire yet, which Link::stop() would lose.
+    virtual std::size_t unsent() const = 0;
+
+protected:
+    ~KernelQueue() = default;
+};
+
+/// A link with which the next run of the program can continue.
+class StorableLink {
+public:
+    /// The open descriptor; -1: the next run can't use it.
+    virtual int storable_wire() const = 0;
+    virtual std::vector<StoredPeer> peers() const { return {}; }
+
+protected:
+    ~StorableLink() = default;
+};
+
+/// A link that is bound to a UDP port.
+class LocalPort {
+public:
+    /// 0: none at present.
+    virtual std::uint16_t local_port() const = 0;
+
+protected:
+    ~LocalPort() = default;
+};
+
+/// A recording as a link.
+class PlayedRecording {
+public:
+    /// Whether it is at its end, so that nothing more will be received.
+    virtual bool is_over() const = 0;
+    /// The decoding of its present frames; nullptr: not known yet.
+    virtual DecodingPtr decoding() const = 0;
+
+protected:
+    ~PlayedRecording() = default;
 };
 
 }    // namespace anogate

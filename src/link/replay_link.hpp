@@ -10,7 +10,7 @@
 namespace anogate {
 
 /// Has a channel for each recorded link. Up while the file can be read, and after its end.
-class ReplayLink final : public Link {
+class ReplayLink final : public Link, public PlayedRecording {
 public:
     ReplayLink(LinkId id, LinkSettings settings, const LinkContext& context);
     void start() override;

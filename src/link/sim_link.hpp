@@ -20,7 +20,6 @@ public:
     void stop() override;
     void flush(Channel& channel) override;
     LinkFacts facts() const override;
-    RawPort* raw_port() override { return this; }
 
 private:
     void set_tap(RawTap* tap) override { tap_ = tap; }

@@ -13,7 +13,6 @@ public:
     void stop_reading() override;
     void stop() override;
     void flush(Channel&) override { write(); }
-    RawPort* raw_port() override { return this; }
     void set_tap(RawTap* tap) override { StreamSession::set_tap(tap); }
     bool write_raw(std::span<const std::uint8_t> bytes) override { return StreamSession::write_raw(bytes); }
 

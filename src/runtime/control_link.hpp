@@ -18,7 +18,7 @@ inline constexpr std::string_view no_control_link = "all 64 links are in use, so
 
 class LinkSocket;
 
-class ControlLink final : public Link {
+class ControlLink final : public Link, public UnassignedReceiver {
 public:
     ControlLink(LinkId id, LinkSettings settings, const LinkContext& context, Forwarder& forwarder);
     ~ControlLink() override;

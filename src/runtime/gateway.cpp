@@ -24,6 +24,11 @@ std::uint64_t number_of_its_own() {
     return std::uint64_t{random()} << 32 | random();
 }
 
+WireIdentity wire_of(const Link& link) {
+    const StorableLink* const storable = link.as<StorableLink>();
+    return WireIdentity::of(storable ? storable->storable_wire() : -1);
+}
+
 }    // namespace
 
 Gateway::Gateway(asio::io_context& io, Settings settings)
@@ -181,8 +186,7 @@ std::optional<StoredLink> Gateway::claim_stored(const Link& link) {
 void Gateway::restore_addresses() {
     for (const RestartState::OfLink& stored : stored_.links)
         for (const LinkState& s : links_)
-            if (s.link->name() == stored.name && WireIdentity::of(s.link->storable_wire()) == stored.wire)
-                restore_addresses(*s.link, stored);
+            if (s.link->name() == stored.name && wire_of(*s.link) == stored.wire) restore_addresses(*s.link, stored);
 }
 
 void Gateway::restore_addresses(const Link& link, const RestartState::OfLink& stored) {
@@ -240,7 +244,8 @@ void Gateway::check_stop() {
 bool Gateway::nothing_waits(const LinkState& state) const {
     for (const ChannelId id : forwarder_.traffic(state.link->id()).channels)
         if (!forwarder_.channel(id).outbox.empty()) return false;
-    return !state.up || state.link->unsent() == 0;
+    const KernelQueue* const queue = state.link->as<KernelQueue>();
+    return !state.up || !queue || queue->unsent() == 0;
 }
 
 void Gateway::finish_stop() {
@@ -320,7 +325,16 @@ void Gateway::await_forwarder() {
     else hello_due_.cancel();
 }
 
-void Gateway::link_up(Link& link) {
+void Gateway::changed(Link& link, LinkEvent event, LinkError why) {
+    switch (event) {
+    case LinkEvent::up: return came_up(link);
+    case LinkEvent::down: return went_down(link, std::move(why));
+    case LinkEvent::unreachable: return forwarder_.report_unreachable(link.id());
+    case LinkEvent::trouble: return log_trouble(link, why);
+    }
+}
+
+void Gateway::came_up(Link& link) {
     LinkState& s = state(link);
     forwarder_.link_up(link.id(), now_);
     const bool is_news = !std::exchange(s.up, true);
@@ -336,7 +350,7 @@ void Gateway::link_up(Link& link) {
 }
 
 // Otherwise log_up() does it.
-void Gateway::report_trouble(Link& link, const LinkError& trouble) {
+void Gateway::log_trouble(Link& link, const LinkError& trouble) {
     if (const LinkState& s = state(link); s.up && s.is_logged) log_warning("{}: {}", link.name(), trouble.text);
 }
 
@@ -360,7 +374,7 @@ void Gateway::lose_channels_of(LinkId link) {
         if (forwarder_.channel(id).link == link) parts_.tell(&GatewayEvents::channel_lost, id);
 }
 
-void Gateway::link_down(Link& link, LinkError why) {
+void Gateway::went_down(Link& link, LinkError why) {
     LinkState& s = state(link);
     if (s.up) lose_channels_of(link.id());
     forwarder_.link_down(link.id());
@@ -384,8 +398,10 @@ ChannelSet Gateway::busy_channels() const {
 }
 
 bool Gateway::is_own_port(std::uint16_t port) const {
-    return port != 0 &&
-           std::any_of(links_.begin(), links_.end(), [port](const LinkState& s) { return s.link->local_port() == port; });
+    return port != 0 && std::any_of(links_.begin(), links_.end(), [port](const LinkState& s) {
+               const LocalPort* const bound = s.link->as<LocalPort>();
+               return bound && bound->local_port() == port;
+           });
 }
 
 }    // namespace anogate

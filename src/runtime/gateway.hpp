@@ -102,10 +102,10 @@ private:
     bool has_connected_mate(const Channel& channel) const override { return forwarder_.router().has_connected_mate(channel.id); }
     void close_channel(Channel& channel, std::string_view why) override;
     void receive(Channel& from, ano::FrameView frame) override;
-    void link_up(Link& link) override;
-    void link_down(Link& link, LinkError why) override;
-    void report_unreachable(Link& link) override { forwarder_.report_unreachable(link.id()); }
-    void report_trouble(Link& link, const LinkError& trouble) override;
+    void changed(Link& link, LinkEvent event, LinkError why) override;
+    void came_up(Link& link);
+    void went_down(Link& link, LinkError why);
+    void log_trouble(Link& link, const LinkError& trouble);
     std::optional<StoredLink> claim_stored(const Link& link) override;
     bool is_own_port(std::uint16_t port) const override;
     ChannelSet busy_channels() const override;
@@ -141,6 +141,7 @@ private:
     void start_links(LinkSet fresh);
     void retire(Retired retired);
     void make_channel_free_for_link();
+    void forget_peer(const Channel& channel);
 
     std::vector<DecodingPtr> replayed() const;
     std::uint8_t group_number(const std::string& group);

@@ -76,7 +76,8 @@ void Gateway::finish_change() {
 std::vector<DecodingPtr> Gateway::replayed() const {
     std::vector<DecodingPtr> all;
     for (const LinkState& s : links_)
-        if (DecodingPtr played = s.up ? s.link->decoding() : nullptr) all.push_back(std::move(played));
+        if (const PlayedRecording* played = s.up ? s.link->as<PlayedRecording>() : nullptr)
+            if (DecodingPtr decoding = played->decoding()) all.push_back(std::move(decoding));
     return all;
 }
 
@@ -165,14 +166,19 @@ void Gateway::retire(Retired retired) {
     });
 }
 
+void Gateway::forget_peer(const Channel& channel) {
+    if (PeerPlaces* const places = links_by_id_[index(channel.link)]->as<PeerPlaces>()) places->forget_peer(channel.id);
+}
+
 void Gateway::make_channel_free(PeerBook::Rank to) {
     if (forwarder_.channels().size() < max_channels) return;
     const Channel* silent = nullptr;
     for (const LinkState& s : links_) {
-        const auto id = s.link->peer_to_replace(to, now_);
+        const PeerPlaces* const places = s.link->as<PeerPlaces>();
+        const auto id = places ? places->peer_to_replace(to, now_) : std::nullopt;
         if (id && (!silent || forwarder_.channel(*id).heard_at < silent->heard_at)) silent = &forwarder_.channel(*id);
     }
-    if (silent) links_by_id_[index(silent->link)]->forget_peer(silent->id);
+    if (silent) forget_peer(*silent);
 }
 
 // For a link that has only one channel. If all peers are trusted or have sent commands, the longest silent one of them makes room.
@@ -184,7 +190,7 @@ void Gateway::make_channel_free_for_link() {
         const bool is_peer = links_by_id_[index(forwarder_.channel(id).link)]->settings().kind->listens;
         if (is_peer && (!silent || forwarder_.channel(id).heard_at < silent->heard_at)) silent = &forwarder_.channel(id);
     }
-    if (silent) links_by_id_[index(silent->link)]->forget_peer(silent->id);
+    if (silent) forget_peer(*silent);
 }
 
 }    // namespace anogate

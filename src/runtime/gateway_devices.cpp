@@ -358,10 +358,11 @@ bool GatewayDevices::is_waiting(std::uint8_t address) {
 std::string GatewayDevices::accepts_nothing(std::uint8_t address) {
     std::string why;
     for (const LinkState& state : gateway_.links()) {
+        const KernelQueue* const queue = state.link->as<KernelQueue>();
         for (const ChannelId id : left_by_[address] & gateway_.forwarder().traffic(state.link->id()).channels) {
             const Channel& channel = gateway_.forwarder().channel(id);
             const SendCounters sent = channel.sent();
-            const std::size_t held = state.up ? state.link->unsent() : 0;
+            const std::size_t held = queue && state.up ? queue->unsent() : 0;
             const bool waits = channel.waiting() > 0 || held > 0;
             if (!drains_[index(id)].accepts_nothing(sent.bytes_out + sent.flush_bytes - held, waits, gateway_.time())) continue;
             why = "the link '" + state.link->name() +

@@ -158,7 +158,7 @@ LinkReport report_of(const Gateway& gateway, const LinkState& state, TimePoint n
             return std::string{};
         }
     };
-    f.is_over = state.link->is_over();
+    if (const PlayedRecording* played = state.link->as<PlayedRecording>()) f.is_over = played->is_over();
     f.is_exclusive = gateway.forwarder().is_exclusive(state.link->id());
     f.listens = state.link->settings().kind->listens;
     f.has_connections = f.listens && state.link->settings().kind->carries == Carries::bytes;
@@ -181,7 +181,8 @@ LinkReport report_of(const Gateway& gateway, const LinkState& state, TimePoint n
     f.received = traffic.gone_received;
     f.sent = traffic.gone_sent;
     f.came_stale = traffic.came_stale;
-    const UnassignedTraffic unassigned = state.link->unassigned_traffic();
+    const UnassignedReceiver* const receiver = state.link->as<UnassignedReceiver>();
+    const UnassignedTraffic unassigned = receiver ? receiver->unassigned_traffic() : UnassignedTraffic{};
     add(f.received, unassigned.received);
     f.v7_frames = unassigned.v7_frames;
     f.may_use_v7 = may_use_v7(*state.link->settings().kind);

@@ -141,10 +141,11 @@ RestartState state_of(const Gateway& gateway, const ClockReading& unread_since) 
     RestartState state{unread_since};
     for (const LinkState& s : gateway.links()) {
         RestartState::OfLink stored{s.link->name()};
-        const int wire = s.link->storable_wire();
+        const StorableLink* const storable = s.link->as<StorableLink>();
+        const int wire = storable ? storable->storable_wire() : -1;
         if (wire >= 0) stored.link.wire = UniqueFd{::fcntl(wire, F_DUPFD_CLOEXEC, 0)};
         stored.wire = WireIdentity::of(stored.link.wire.get());
-        stored.link.peers = s.link->peers();
+        if (storable) stored.link.peers = storable->peers();
         stored.brought = gateway.forwarder().brought_by(s.link->id(), state.unread_since.now - DuplicateGuard::usual_window);
         for (const ChannelId id : gateway.forwarder().traffic(s.link->id()).channels) {
             const Channel& channel = gateway.forwarder().channel(id);

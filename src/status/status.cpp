@@ -39,13 +39,14 @@ void put(Json& json, const ReceiveCounters& received, const SendCounters& sent, 
 }
 
 Json channel_json(const Channel& channel, const Link& link, TimePoint now) {
-    const auto listening_since = link.listening_since(channel.id);
+    const PeerPlaces* const places = link.as<PeerPlaces>();
+    const auto listening_since = places ? places->listening_since(channel.id) : std::nullopt;
     Json json = object_with_room(5 + counters);
     json["peer"] = channel.peer;
     json["since_s"] = in_seconds(now - channel.opened_at);
     if (channel.heard_at != TimePoint{}) json["heard_s"] = in_seconds(now - channel.heard_at);
     if (listening_since) json["listening_since_s"] = in_seconds(now - *listening_since);
-    if (const auto age = link.unacknowledged_for(channel.id)) json["unacknowledged_ms"] = age->count();
+    if (const auto age = places ? places->unacknowledged_for(channel.id) : std::nullopt) json["unacknowledged_ms"] = age->count();
     put(json, channel.received(), channel.sent(), channel.waiting());
     return json;
 }

@@ -345,7 +345,8 @@ TEST(Gap, frames_are_sent_one_by_one_with_a_pause_after_each_on_serial_pty_and_u
     }));
     ASSERT_TRUE(gateway.until_up("fc") && gateway.until_up("app") && gateway.until_up("radio"));
     std::vector<Times> times(3);
-    for (std::size_t i = 0; i < times.size(); ++i) gateway.gateway().links().at(i).link->raw_port()->set_tap(&times[i]);
+    for (std::size_t i = 0; i < times.size(); ++i)
+        gateway.gateway().links().at(i).link->as<anogate::RawPort>()->set_tap(&times[i]);
     Bytes commands;
     for (std::uint8_t n = 0; n < 10; ++n) commands = commands + frame(0xFE, 0xDC, 0xC0, {n, 2, 3});
     station.send(gateway.port("ground"), commands);
@@ -362,7 +363,7 @@ TEST(Gap, frames_are_sent_one_by_one_with_a_pause_after_each_on_serial_pty_and_u
     EXPECT_EQ(device.heard(), commands);
     EXPECT_TRUE(gateway.until([&] { return peer.heard() == commands; }));
     for (const auto& state : gateway.gateway().links())
-        if (auto* port = state.link->raw_port()) port->set_tap(nullptr);
+        if (auto* port = state.link->as<anogate::RawPort>()) port->set_tap(nullptr);
     ::close(app);
 }
 

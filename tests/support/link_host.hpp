@@ -39,14 +39,15 @@ public:
         heard.insert(heard.end(), frame.bytes().begin(), frame.bytes().end());
     }
     void flush() override {}
-    void link_up(anogate::Link&) override {
-        ++ups;
-        why.clear();
-        for (const auto& channel : channels_) channel->outbox.open();
-    }
-    void link_down(anogate::Link&, anogate::LinkError reason) override {
-        why = std::move(reason.text);
-        for (const auto& channel : channels_) channel->outbox.close();
+    void changed(anogate::Link&, LinkEvent event, anogate::LinkError reason) override {
+        if (event == LinkEvent::up) {
+            ++ups;
+            why.clear();
+            for (const auto& channel : channels_) channel->outbox.open();
+        } else if (event == LinkEvent::down) {
+            why = std::move(reason.text);
+            for (const auto& channel : channels_) channel->outbox.close();
+        }
     }
     std::optional<anogate::StoredLink> claim_stored(const anogate::Link&) override { return std::exchange(stored, std::nullopt); }
     anogate::TimePoint now() override { return turn().now(); }

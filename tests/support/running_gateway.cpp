@@ -92,7 +92,9 @@ std::uint64_t RunningGateway::count(const std::string& name, const std::string& 
 }
 std::uint16_t RunningGateway::port(const std::string& name) {
     for (const anogate::LinkState& state : gateway_.links())
-        if (state.link->name() == name && state.link->local_port() != 0) return state.link->local_port();
+        if (const auto* bound = state.link->as<anogate::LocalPort>();
+            bound && state.link->name() == name && bound->local_port() != 0)
+            return bound->local_port();
     return link(name).at("port");
 }
 nlohmann::json RunningGateway::route(const std::string& address) {
@@ -119,7 +121,8 @@ std::optional<std::uint64_t> RunningGateway::figure(const anogate::LinkState& st
     auto received = traffic.gone_received;
     auto sent = traffic.gone_sent;
     std::size_t waiting = 0;
-    add(received, state.link->unassigned_traffic().received);
+    if (const auto* receiver = state.link->as<anogate::UnassignedReceiver>())
+        add(received, receiver->unassigned_traffic().received);
     for (const anogate::ChannelId id : traffic.channels) {
         const anogate::Channel& channel = gateway_.forwarder().channel(id);
         add(received, channel.received());

@@ -126,7 +126,7 @@ public:
     bool is_up() const noexcept { return up_; }
     std::string trouble() const { return up_ ? link_->trouble().text : std::string{}; }
     std::uint64_t skipped() const noexcept {
-        std::uint64_t bytes = gone_skipped_ + link_->unassigned_traffic().received.skipped_bytes;
+        std::uint64_t bytes = gone_skipped_ + unassigned().received.skipped_bytes;
         for (const auto& open : channels_)
             if (open) bytes += open->channel.parser.counters().skipped_bytes;
         return bytes;
@@ -145,6 +145,10 @@ public:
     }
 
 private:
+    UnassignedTraffic unassigned() const {
+        const UnassignedReceiver* const receiver = link_->as<UnassignedReceiver>();
+        return receiver ? receiver->unassigned_traffic() : UnassignedTraffic{};
+    }
     // The channels on which frames from `address` were received; if there are none, all channels.
     std::vector<Channel*> leading_to(std::uint8_t address) const {
         std::vector<Channel*> all, heard;
@@ -206,7 +210,11 @@ private:
         }
         return peer.empty() && address.empty() ? all : peer + address;
     }
-    void link_up(Link& link) override {
+    void changed(Link& link, LinkEvent event, LinkError why) override {
+        if (event == LinkEvent::up) came_up(link);
+        if (event == LinkEvent::down) went_down(link, std::move(why));
+    }
+    void came_up(Link& link) {
         for (const auto& open : channels_)
             if (open) open->channel.outbox.open();
         if (!up_ && !who_.empty()) complain(link.name() + " is up" + end_points(link.facts()));
@@ -214,7 +222,7 @@ private:
         up_ = true;
         why_.clear();
     }
-    void link_down(Link& link, LinkError error) override {
+    void went_down(Link& link, LinkError error) {
         for (const auto& open : channels_)
             if (open) open->channel.outbox.close();
         std::string& why = error.text;
@@ -245,7 +253,7 @@ private:
         });
     }
     LinkFigures figures() {
-        const UnassignedTraffic unassigned = link_->unassigned_traffic();
+        const UnassignedTraffic unassigned = this->unassigned();
         LinkFigures f;
         f.words = link_->settings().kind->hints;
         f.up = up_;

@@ -13,7 +13,7 @@
 
 namespace anogate {
 
-class CanLink : public Link {
+class CanLink : public Link, public StorableLink {
 public:
     CanLink(LinkId id, LinkSettings settings, const LinkContext& context);
 

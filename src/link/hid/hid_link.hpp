@@ -9,7 +9,7 @@
 
 namespace anogate {
 
-class HidLink final : public StreamLink {
+class HidLink final : public StreamLink, public KernelQueue {
 public:
     HidLink(LinkId id, LinkSettings settings, const LinkContext& context)
         : StreamLink{id, std::move(settings), context}, writer_{context.io} {

@@ -7,7 +7,7 @@
 namespace anogate {
 
 /// Up while a program has it open: data sent earlier would be stale when a program reads it.
-class PtyLink final : public StreamLink {
+class PtyLink final : public StreamLink, public KernelQueue {
 public:
     PtyLink(LinkId id, LinkSettings settings, const LinkContext& context)
         : StreamLink{id, std::move(settings), context}, watch_{context.io}, look_{context.alarms, [this] { look(); }} {

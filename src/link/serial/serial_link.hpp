@@ -13,7 +13,7 @@
 
 namespace anogate {
 
-class SerialLink final : public StreamLink {
+class SerialLink final : public StreamLink, public KernelQueue, public StorableLink {
 public:
     SerialLink(LinkId id, LinkSettings settings, const LinkContext& context)
         : StreamLink{id, std::move(settings), context}, twin_again_{context.alarms, [this] { look_for_twin(); }} {

@@ -10,7 +10,7 @@
 
 namespace anogate {
 
-class TcpLink : public Link, public RawPort, protected TcpSession {
+class TcpLink : public Link, public RawPort, public KernelQueue, protected TcpSession {
 public:
     TcpLink(LinkId id, LinkSettings settings, const LinkContext& context);
 
@@ -21,7 +21,6 @@ public:
     std::size_t unsent() const override;
     LinkFacts facts() const override;
     LinkError trouble() const override;
-    RawPort* raw_port() override { return this; }
     void set_tap(RawTap* tap) override { StreamSession::set_tap(tap); }
     bool write_raw(std::span<const std::uint8_t> bytes) override { return StreamSession::write_raw(bytes); }
 

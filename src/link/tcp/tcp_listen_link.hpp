@@ -19,7 +19,7 @@
 
 namespace anogate {
 
-class TcpListenLink : public Link {
+class TcpListenLink : public Link, public PeerPlaces, public UnassignedReceiver, public KernelQueue {
 public:
     TcpListenLink(LinkId id, LinkSettings settings, const LinkContext& context);
     ~TcpListenLink() override;

@@ -21,7 +21,7 @@ namespace anogate {
 struct SendReport;
 
 /// An absent peer is no error: its ICMP refusals are counted and shown.
-class UdpLink final : public Link, public RawPort {
+class UdpLink final : public Link, public RawPort, public StorableLink, public LocalPort {
 public:
     UdpLink(LinkId id, LinkSettings settings, const LinkContext& context);
     ~UdpLink() override;
@@ -36,7 +36,6 @@ public:
     int storable_wire() const override { return is_multicast_ ? -1 : descriptor_.fd(); }
     LinkFacts facts() const override;
     LinkError trouble() const override;
-    RawPort* raw_port() override { return this; }
     void set_tap(RawTap* tap) override { tap_ = tap; }
     /// Sends the bytes as one datagram.
     bool write_raw(std::span<const std::uint8_t> bytes) override;

@@ -18,7 +18,7 @@
 
 namespace anogate {
 
-class UdpListenLink : public Link {
+class UdpListenLink : public Link, public PeerPlaces, public UnassignedReceiver, public StorableLink, public LocalPort {
 public:
     UdpListenLink(LinkId id, LinkSettings settings, const LinkContext& context);
     ~UdpListenLink() override;
