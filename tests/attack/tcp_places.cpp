@@ -184,6 +184,23 @@ TEST_F(TcpStrangers, of_the_same_address_do_not_replace_a_quiet_host) {
     EXPECT_EQ(std::count_if(peers.begin(), peers.end(), [](TcpPeer& p) { return p.is_closed(); }), 0);
 }
 
+TEST_F(TcpStrangers, that_send_again_replace_no_trusted_host_beyond_the_reserved_places) {
+    start({"tcp-listen:10.0.0.1:0,name=air,max_peers=4,trusted=10.0.0.40/29"});
+    for (const int host : {40, 40, 41, 41}) {
+        peers.push_back(connect(host, "air"));
+        peers.back().send(commands);
+    }
+    ASSERT_TRUE(until([&] { return channels("air") == 4; }));
+    TcpPeer stranger = connect(10, "air");
+    const auto end = std::chrono::steady_clock::now() + 2500ms;
+    while (std::chrono::steady_clock::now() < end) {
+        stranger.send(asks);
+        run_for(150ms);
+    }
+    EXPECT_EQ(std::count_if(peers.begin(), peers.end(), [](TcpPeer& p) { return p.is_closed(); }), 0);
+    EXPECT_GT(daemon->count("air", "denied_in"), 10u);
+}
+
 TEST_F(TcpStrangers, do_not_keep_a_restarted_device_from_its_place) {
     start({"tcp-listen:10.0.0.1:0,name=air,max_peers=1"});
     const Bytes telemetry = frame(0xDC, 0xFE, 0x01, Bytes(13));

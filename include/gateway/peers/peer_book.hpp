@@ -81,7 +81,7 @@ public:
     /// - If its address has max_of_address places, it replaces a peer of that address.
     /// - Programs of this machine replace each other, but one that sent once does not replace one that sent again.
     /// - Of several, one that sent once leaves before one that sent again, and of these the longest silent.
-    /// - With connections, it replaces an overdue peer.
+    /// - With connections, it replaces an overdue peer, and no trusted one unless it is trusted itself.
     /// - Peers of a lower rank do not use places that are reserved for a higher rank.
     /// - If places are reserved, a host that sends a command gets one, unless all turns are used. Of the two peers that sent
     ///   commands and joined last, it replaces the one that commands less often (the time between its last two commands, or since

@@ -19,6 +19,7 @@ PeerBook::Place PeerBook::place_for(const Endpoint& stranger, TimePoint now, Ran
     std::optional<ChannelId> replaced;
     for (const ChannelId id : used_) {
         const Peer& p = peer(id);
+        if (options_.has_connections && p.rank > rank && p.rank == Rank::trusted) continue;    // its address can't be forged
         if (address_full ? !is_same_party(p.endpoint.address, address, rank) : !may_be_evicted(p, rank)) continue;
         const bool has_more = address_full || places_of(p.endpoint.address, rank) > of_address + 1;
         const bool sent_once = !p.has_returned && (has_more || (now - p.heard_at >= exchange && !may_listen(p)));
@@ -129,11 +130,12 @@ bool PeerBook::is_same_party(const IpAddress& a, const IpAddress& b, Rank rank) 
     return std::equal(a.bytes.begin(), a.bytes.begin() + network, b.bytes.begin());
 }
 
-// Senders of single datagrams replace each other. One that sends again keeps its row until it is silent for an exchange.
+// Senders of single datagrams replace each other. One that sends again keeps its row for twice the time that it has been sending,
+// at most for an exchange: two datagrams in quick succession keep it only briefly.
 bool PeerBook::keeps_retrying(const Endpoint& stranger, TimePoint now) noexcept {
     RejectedSender& row = row_of(stranger);
     const bool is_known = row.endpoint == stranger;
-    if (!is_known && row.last > row.first && now - row.last < exchange) return false;
+    if (!is_known && now - row.last < std::min(exchange, 2 * (row.last - row.first))) return false;
     if (!is_known || now - row.last >= options_.timeout) row = {stranger, now, now};
     row.last = now;
     return row.has_returned();

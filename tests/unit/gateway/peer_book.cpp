@@ -556,6 +556,30 @@ TEST(PeerBook, a_device_gets_its_place_for_good_within_seconds_however_many_stra
             }
 }
 
+TEST(PeerBook, a_device_gets_its_place_for_good_within_seconds_however_many_strangers_send_pairs) {
+    for (const bool is_local : {true, false})
+        for (const Duration period : {Duration{1s} / 7, Duration{20ms}})
+            for (const Duration apart : {Duration{100us}, Duration{20ms}, Duration{100ms}, Duration{700ms}})
+                for (const auto& [pairs_per_second, within] : {std::pair{1000, 3s}, {5000, 5s}}) {
+                    Flood flood;
+                    const Endpoint late = is_local ? at("127.0.0.1:60001") : at("192.168.1.20:5000");
+                    const Duration between_pairs = Duration{1s} / pairs_per_second;
+                    const TimePoint first = start + 1s;
+                    TimePoint next = first, lost = first;
+                    std::uint32_t n = 0, again = 0;
+                    for (TimePoint now = start; now < first + within + 4s; now = start + n * between_pairs) {
+                        for (; next < now; next += period) flood.sends(late, next);
+                        for (; start + again * between_pairs + apart <= now; ++again)
+                            flood.sends(stranger(is_local, again), start + again * between_pairs + apart);
+                        flood.sends(stranger(is_local, n++), now);
+                        if (!flood.has_place(late)) lost = now;
+                    }
+                    EXPECT_LT((lost - start) / 1ms, (first + within - start) / 1ms)
+                        << is_local << " every " << period / 1ms << " ms, pairs " << apart / 1us << " us apart, "
+                        << pairs_per_second << "/s";
+                }
+}
+
 TEST(PeerBook, several_devices_and_a_quiet_ground_station_keep_their_places_among_strangers_that_send_once) {
     constexpr Duration between_strangers = 500us, between_frames = Duration{1s} / 7, between_questions = 5s;
     const auto local = [](std::uint16_t port) { return Endpoint{IpAddress::v4(127, 0, 0, 1), port}; };
@@ -634,6 +658,35 @@ TEST(PeerBook, an_ipv6_network_of_strangers_counts_as_one_address_of_connections
         EXPECT_TRUE(book.place_for(host_at(3), start, PeerBook::Rank::commands).free);
         EXPECT_TRUE(book.place_for(host_at(3), start, PeerBook::Rank::trusted).free);
     }
+}
+
+// Their addresses can't be forged, unlike those of datagrams.
+TEST(PeerBook, a_trusted_connection_is_replaced_only_by_a_trusted_one) {
+    using enum PeerBook::Rank;
+    for (const bool has_connections : {true, false}) {
+        PeerBook::Options options{60s, 4, 4, 2, 1};
+        options.has_connections = has_connections;
+        Book book{options};
+        book.join_once(a, at("10.8.0.1:1"), host, start, trusted);
+        book.join_once(b, at("10.8.0.1:2"), host, start, trusted);
+        book.join_once(c, at("10.8.0.2:1"), host, start, trusted);
+        book.join_once(d, phone, host, start, commands);
+        const Endpoint late = at("10.0.0.1:1");
+        book.heard(d, host, start + 1s);
+        EXPECT_FALSE(book.place_for(late, start).free);
+        EXPECT_EQ(book.place_for(late, start + 1s).free, !has_connections) << "within the second of their first frame";
+        EXPECT_EQ(book.place_for(late, start + 20s).free, !has_connections) << "they only receive";
+        EXPECT_EQ(book.place_for(at("10.0.0.2:1"), start + 20s, commands).evicted, d);
+        EXPECT_EQ(book.place_for(at("10.8.0.3:1"), start + 20s, trusted, true).evicted, d);
+    }
+}
+
+TEST(PeerBook, a_trusted_connection_is_not_replaced_by_another_host_of_its_ipv6_network) {
+    const auto host_at = [](int n) { return at(("[fd00::" + std::to_string(n) + "]:5000").c_str()); };
+    Book book{of_connections(8, 2)};
+    book.join_once(a, host_at(1), device, start, PeerBook::Rank::trusted);
+    book.join_once(b, host_at(2), device, start, PeerBook::Rank::trusted);
+    EXPECT_FALSE(book.place_for(host_at(3), start + 20s).free);
 }
 
 TEST(PeerBook, the_longest_silent_ordinary_peer_frees_its_channel_for_another_link) {
