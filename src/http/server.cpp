@@ -22,8 +22,8 @@ constexpr ano::Duration long_turn = std::chrono::milliseconds{1};
 constexpr ano::Duration max_rest = std::chrono::milliseconds{50};
 constexpr ano::Duration finish_look = std::chrono::milliseconds{5};
 
-/// True if requests may use a descriptor: those that links may need are reserved for them.
-bool has_descriptors() { return descriptors_left() >= descriptors_of_links(); }
+/// True if requests may use a descriptor: those that links and their peers may need are reserved for them.
+bool has_descriptors() { return descriptors_left() >= descriptors_of_links_and_peers(); }
 
 Response no_place() { return try_again("too many requests at once; try again"); }
 
@@ -131,8 +131,8 @@ std::optional<Response> Server::refusal_if_no_place(const ClientId& client_id, A
     Quota& quota = quota_of(client_id);
     const auto words = [] { return try_again("too few file descriptors for more streams and waiting clients (ulimit -n)"); };
     if (streams) {
-        constexpr std::size_t for_short_ones = 8;    // descriptors, beside those of links
-        if (descriptors_left() < descriptors_of_links() + for_short_ones) return words();
+        constexpr std::size_t for_short_ones = 4;    // descriptors
+        if (descriptors_left() < descriptors_of_links_and_peers() + for_short_ones) return words();
         const PlaceFor place = stream_place(quota.connections(), quota.limits.streams, client_id, access);
         if (!place.is_free) return try_again("too many streams and WebSockets; try again later");
         if (place.leaves) send_away(quota, *place.leaves);

@@ -223,6 +223,31 @@ TEST(FewDescriptors, are_not_all_used_for_the_peers_of_a_tcp_port) {
     }
 }
 
+TEST(FewDescriptors, are_used_for_tcp_peers_before_clients_of_the_control_interface) {
+    constexpr std::size_t hosts = 16;
+    const Bytes command = frame(0xFE, 0xDC, 0xC0, {16, 1, 0});
+    for (const rlim_t limit : {44u, 52u, 60u}) {
+        TempDir dir;
+        Daemon daemon{ANOGATED, dir / "control.sock", {"tcp-listen:127.0.0.1:0,name=tcp"}, {}, [limit] {
+                          const rlimit few{limit, limit};
+                          ::setrlimit(RLIMIT_NOFILE, &few);
+                      }};
+        ASSERT_TRUE(daemon.until_answers()) << daemon.output();
+        const auto at_socket = [&] { return connect_unix(dir / "control.sock"); };
+        Crowd clients, peers;
+        for (int i = 0; i < 60; ++i) clients.add(at_socket(), "GET /frames HTTP/1.1\r\nHost: x\r\n" + upgrade + "\r\n");
+        ASSERT_TRUE(wait_until([&] { return clients.answered() == clients.size(); }, std::chrono::minutes{1}));
+        for (int i = 0; i < 20; ++i) clients.add(at_socket(), "GET /sta");
+        for (std::size_t i = 0; i < hosts; ++i) peers.add(connect_tcp(daemon.port("tcp")), {command.begin(), command.end()});
+        EXPECT_TRUE(daemon.until([](const nlohmann::json& status) {
+            return status.is_object() && status.at("links").at(0).at("channels").size() == hosts;
+        })) << limit
+            << daemon.status()["links"];
+        for (int i = 0; i < 10; ++i)
+            EXPECT_TRUE(http(dir / "control.sock", "GET /status HTTP/1.0\r\n\r\n", patience).starts_with("HTTP/1.0 200")) << i;
+    }
+}
+
 // The ports of the links appear when all clients are connected.
 TEST(FewDescriptors, are_used_for_links_first) {
     constexpr int ports = 8;

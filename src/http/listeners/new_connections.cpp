@@ -58,10 +58,10 @@ struct NewConnections::State : std::enable_shared_from_this<State> {
         end_silent_later();
     }
 
-    /// Descriptors that links do not need are shared with the clients that have a place.
+    /// Descriptors that links and their peers do not need are shared with the clients that have a place.
     std::size_t places_now() const {
-        const std::size_t free = descriptors_left() + all.size(), links = descriptors_of_links();
-        return free <= links ? 1 : std::clamp<std::size_t>((free - links) / 2, 1, places);
+        const std::size_t free = descriptors_left() + all.size(), reserved = descriptors_of_links_and_peers();
+        return free <= reserved ? 1 : std::clamp<std::size_t>((free - reserved) / 2, 1, places);
     }
 
     void receive(const std::shared_ptr<One>& one) {
