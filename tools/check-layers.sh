@@ -71,7 +71,7 @@ forbid "boost/beast" --include='*.hpp' src/http
 no_more_of() {
     if grep -rnE '^ *# *include *[<"]http/' "$1" | grep -vE "<http/($2)\.hpp>"; then bad=1; fi
 }
-no_more_of src/devices 'large_body|places|producer|request|response|routes|web_socket'
+no_more_of src/devices 'client_text|large_body|places|producer|request|response|routes|web_socket'
 no_more_of tools/anoctl 'answer|asio|client/certificate|client/client|producer|request|response|routes|socket_path|web_socket'    # the client's side
 no_more_of src/gpio 'response'
 

@@ -17,6 +17,7 @@
 #include <devices/works/scan_work.hpp>
 #include <devices/works/waypoint_works.hpp>
 #include <host/firmware_image.hpp>
+#include <http/client_text.hpp>
 #include <http/large_body.hpp>
 #include <http/routes.hpp>
 
@@ -66,19 +67,17 @@ struct JobRequest {
     bool is_first_frame = false;
 };
 
-// "192.168.1.5", "logger at 192.168.1.5"; at the Unix socket, where programs send their name, "anoctl param, process 7".
+// "192.168.1.5", "logger at 192.168.1.5"; at the Unix socket "anoctl of pi, process 712", "logger (python3 of pi, process 712)".
 std::string client_of(const Request& request) {
-    const bool is_local = !request.connection_info.is_network;
-    const std::string name{request.query_value("client").value_or(is_local ? request.header("User-Agent") : std::string_view{})};
+    const std::string_view name = request.query_value("client").value_or(std::string_view{});
+    const std::string client = http::format_client(request);
     constexpr std::size_t max_bytes = 64;
     std::string clean;
     for (std::size_t i = 0; i < name.size() && clean.size() < max_bytes; ++i)
         if (const std::size_t size = ano::control_size(name, i); size > 0) i += size - 1;
         else clean += name[i];
-    if (is_local) return clean;
-    return clean.empty()                          ? request.connection_info.peer
-           : request.connection_info.peer.empty() ? clean
-                                                  : clean + " at " + request.connection_info.peer;
+    if (clean.empty() || client.empty()) return clean + client;
+    return request.connection_info.is_network ? clean + " at " + client : clean + " (" + client + ")";
 }
 
 Response begin(DeviceService& service, const Request& request, JobRequest job_request) {

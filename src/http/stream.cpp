@@ -13,7 +13,14 @@ namespace {
 class SocketStream final : public Stream {
 public:
     SocketStream(Socket socket, ConnectionInfo connection_info)
-        : socket_{std::move(socket)}, connection_info_{std::move(connection_info)} {}
+        : socket_{std::move(socket)}, connection_info_{std::move(connection_info)} {
+        ucred who{};
+        socklen_t size = sizeof who;
+        if (connection_info_.is_network || ::getsockopt(socket_.native_handle(), SOL_SOCKET, SO_PEERCRED, &who, &size) != 0)
+            return;
+        user_ = who.uid;
+        connection_info_.process = who.pid;
+    }
 
     bool has_more() const override { return has_unread(const_cast<Socket&>(socket_).native_handle()); }
     void read_some(asio::mutable_buffer into, Done done) override { socket_.async_read_some(into, std::move(done)); }
@@ -30,19 +37,13 @@ public:
         error_code ignored;
         socket_.close(ignored);
     }
-    std::uint32_t user() const override {
-        if (connection_info_.is_network) return unknown_user;
-        ucred who{};
-        socklen_t size = sizeof who;
-        const int fd = const_cast<Socket&>(socket_).native_handle();
-        return ::getsockopt(fd, SOL_SOCKET, SO_PEERCRED, &who, &size) == 0 ? who.uid : unknown_user;
-    }
-
+    std::uint32_t user() const override { return user_; }
     const ConnectionInfo& connection_info() const override { return connection_info_; }
 
 private:
     Socket socket_;
     ConnectionInfo connection_info_;
+    std::uint32_t user_ = unknown_user;
 };
 
 }    // namespace

@@ -3,13 +3,20 @@
 #include <support/bytes.hpp>
 #include <support/fake_loader.hpp>
 #include <support/files.hpp>
+#include <support/http.hpp>
 #include <support/process.hpp>
 #include <support/temp_dir.hpp>
 
 #include <http/client/client.hpp>
+#include <sys/local_client.hpp>
+#include <sys/unique_fd.hpp>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+
+#include <pwd.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <csignal>
 #include <cstdlib>
@@ -124,6 +131,19 @@ TEST_F(AnoctlOtherDevice, is_listed_with_its_name_and_found_by_it_in_upper_or_lo
     EXPECT_EQ(until_ended(scan), 0);
     EXPECT_EQ(anoctl({"param", "get", "SIM_RANGE_OFFSET", "--device", "simfc"}).exit, 2);
     EXPECT_EQ(anoctl({"param", "get", "SIM_RANGE_OFFSET", "--device", "SimFC"}).exit, 0);
+}
+
+TEST(AnoctlDevices, a_pinned_device_is_listed_with_its_link) {
+    const TempDir dir;
+    Daemon gateway{ANOGATED, dir / "control", {"sim:fc,name=vehicle", "--route", "0xDC=vehicle"}};
+    ASSERT_TRUE(gateway.until_answers()) << gateway.output();
+    std::string listed;
+    EXPECT_TRUE(wait_until([&] {
+        Process scan{ANOCTL, {"devices", "--scan", "--json", "--control", dir / "control"}};
+        scan.wait();
+        listed = scan.output();
+        return listed.find(R"("link":"vehicle")") != std::string::npos;
+    })) << listed;
 }
 
 TEST_F(AnoctlOtherDevice, is_selected_by_its_name_for_the_log) {
@@ -350,7 +370,8 @@ TEST_F(AnoctlAnswers, the_job_that_uses_a_device_is_reported_with_the_command_th
     ASSERT_TRUE(wait_until([&] { return contains(anoctl({"devices", "--jobs"}).output, "running"); })) << first.output();
     const Ran second = anoctl({"param", "save", "--device", "0xDD"});
     EXPECT_EQ(second.exit, 1);
-    const std::string who = "anoctl param, process " + std::to_string(first.pid());
+    const std::string who = "anoctl of " + std::string{::getpwuid(::geteuid())->pw_name} + ", process " +
+                            std::to_string(first.pid());
     EXPECT_TRUE(contains(second.output, who + "); anoctl devices --jobs --control " + socket + " shows its progress"))
         << second.output;
     const auto jobs = lines_of(anoctl({"devices", "--jobs", "--json"}).output);
@@ -368,6 +389,16 @@ TEST_F(AnoctlAnswers, the_job_that_uses_a_device_is_reported_with_the_command_th
     EXPECT_TRUE(contains(anoctl({"devices", "--cancel", number}).output, "already ended: cancelled"));
     EXPECT_EQ(anoctl({"devices", "--cancel", "999"}).exit, 1);
     EXPECT_EQ(anoctl({"devices", "--cancel", "x"}).exit, 2);
+}
+
+TEST_F(AnoctlAnswers, a_job_is_described_by_its_user_and_program_despite_the_name_that_a_program_states) {
+    const std::string asks =
+        "GET /devices/0x33/parameters?client=logger HTTP/1.1\r\nHost: x\r\nUser-Agent: anoctl of root\r\n\r\n";
+    const anogate::UniqueFd client{connect_unix(socket)};
+    ASSERT_EQ(::send(client.get(), asks.data(), asks.size(), 0), static_cast<ssize_t>(asks.size()));
+    const std::string by = "logger (" + anogate::local_client(::geteuid(), ::getpid()) + ")";
+    const auto client_of_job = [&] { return anoctl({"devices", "--jobs", "--json"}).output; };
+    EXPECT_TRUE(wait_until([&] { return contains(client_of_job(), "\"client\":\"" + by + "\""); })) << client_of_job();
 }
 
 TEST_F(AnoctlOtherDevice, an_interrupted_write_is_reported_as_possibly_carried_out) {

@@ -22,7 +22,8 @@ struct ConnectionInfo {
     bool needs_token = false;    // false: all its clients may do everything
     std::string local;           // the local address that the client connected to, "192.168.1.5" or "fe80::1"
     std::uint16_t port = 0;
-    std::string peer;    // the client's address
+    std::int32_t process = 0;    // the client's, at a Unix socket; 0: not known
+    std::string peer;            // the client's address
 };
 
 }    // namespace anogate::http

@@ -16,7 +16,6 @@
 #include <nlohmann/json.hpp>
 
 #include <fcntl.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -74,15 +73,10 @@ struct DeviceClient::Loop {
 class DeviceClient::Exchange {
 public:
     Exchange(Loop& loop, Streams& streams, JobView& view, const DeviceOptions& options)
-        : loop_{loop},
-          streams_{streams},
-          view_{view},
-          options_{options},
-          client_{"anoctl " + options.command + ", process " + std::to_string(::getpid())} {}
+        : loop_{loop}, streams_{streams}, view_{view}, options_{options} {}
 
     Json run(http::Request request) {
         request.headers.push_back({"Accept", "application/x-ndjson"});
-        request.headers.push_back({"User-Agent", client_});
         request.target += request.target.find('?') == std::string::npos ? "?while_connected" : "&while_connected";
         loop_.io.restart();
         await_signal();
@@ -199,7 +193,6 @@ private:
     Streams& streams_;
     JobView& view_;
     const DeviceOptions& options_;
-    const std::string client_;    // name of this program, shown to other clients
     asio::signal_set signals_{loop_.io, SIGINT, SIGTERM};
     asio::posix::stream_descriptor keys_{loop_.io};
     Json job_;
