@@ -22,7 +22,7 @@ namespace anogate {
 /// An address from which frames were received.
 struct HeardAddress {
     std::uint8_t address = 0;
-    std::string link;    // on which frames of it were received; empty: not known
+    std::string link;    // on which frames of it were received, or to which it is pinned ("group G"); empty: not known
     std::string peer;
     std::optional<ano::TimePoint> heard_at{};
 };

@@ -889,7 +889,7 @@ std::variant<std::uint8_t, NotBegun> DeviceService::address_of(std::string_view 
     return not_begun(404, "unknown device " + ano::in_quotes(word) + " (neither a name nor an address)");
 }
 
-// The addresses known to `net_`, and those heard here: `net_` does not learn an address that is pinned to a link.
+// The addresses known to `net_`, and those heard here: `net_` does not learn an address that is pinned to a link or a group.
 std::vector<HeardAddress> DeviceService::heard(TimePoint now) {
     std::vector<HeardAddress> all = net_.heard(now);
     for (unsigned a = 1; a < ano::address::broadcast; ++a) {
@@ -897,7 +897,7 @@ std::vector<HeardAddress> DeviceService::heard(TimePoint now) {
         const auto is_it = [&](const HeardAddress& one) { return one.address == address; };
         if (!known_[a] || !known_[a]->heard_at || now - *known_[a]->heard_at >= ano::host::Device::away_after) continue;
         if (ano::address::is_host(address) || address == own_ || std::any_of(all.begin(), all.end(), is_it)) continue;
-        all.push_back({address, {}, {}, known_[a]->heard_at});
+        all.push_back({address, net_.unit_place(address, now).link, {}, known_[a]->heard_at});
     }
     std::erase_if(all, [this](const HeardAddress& one) {
         const auto& known = known_[one.address];

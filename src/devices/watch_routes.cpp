@@ -143,7 +143,7 @@ Response log_answer(DeviceService& service, const Request& request) {
     double since = 0;
     if (const auto word = request.query_value("since")) {
         const auto [end, ec] = std::from_chars(word->data(), word->data() + word->size(), since);
-        if (ec != std::errc{} || end != word->data() + word->size())
+        if (ec != std::errc{} || end != word->data() + word->size() || !std::isfinite(since))    // it accepts "nan"
             return http::error(400, "'since' must be seconds since 1970, not " + ano::in_quotes(*word));
     }
     if (requests_lines(request)) return line_stream(service.log_clients(), LogLines{service, device, since}, request);

@@ -111,7 +111,8 @@ protected:
         EXPECT_EQ(get("/devices/0xDC/log").at("red"), 0);
         EXPECT_EQ(get("/devices/0xFF/log").at("lines").size(), 1u);
         EXPECT_TRUE(get("/devices/0xDC/log?since=4000000000").at("lines").empty());
-        refuses("GET", "/devices/0xDC/log?since=x", 400, "invalid", "'since'");
+        for (const char* wrong : {"x", "NaN", "-inf", "1e999"})
+            refuses("GET", std::string{"/devices/0xFF/log?since="} + wrong, 400, "invalid", "'since'");
         ask("DELETE", "/routes/0xDC");
     }
     void limits() const {
