@@ -233,19 +233,21 @@ ReadAgain read_again(int argc, char** argv) {
     };
 }
 
+int output_failed() {
+    print_lines(Priority::error, "anogated: cannot write the output\n");
+    return 1;
+}
+
 int run(int argc, char** argv) {
     auto parsed = parse_command_line(argc, argv);
     if (const Exit* exit = std::get_if<Exit>(&parsed)) {
         if (exit->code != 0) print_lines(Priority::error, exit->text);
-        else if (!(std::cout << exit->text << std::flush)) return 1;
+        else if (!(std::cout << exit->text << std::flush)) return output_failed();
         return exit->code;
     }
     CommandLine& line = std::get<CommandLine>(parsed);
     if (line.check) print_lines(Priority::warning, line.warnings);
-    if (line.print_config && !(std::cout << print_config(line.settings) << std::flush)) {
-        print_lines(Priority::error, "anogated: the configuration could not be written\n");
-        return 1;
-    }
+    if (line.print_config && !(std::cout << print_config(line.settings) << std::flush)) return output_failed();
     if (line.check || line.print_config) return 0;
     hold_signals(SIG_BLOCK, {SIGTERM});
     std::signal(SIGPIPE, SIG_IGN);

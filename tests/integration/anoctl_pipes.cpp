@@ -107,6 +107,11 @@ TEST(AnoctlPipes, it_ends_when_its_output_cannot_be_written) {
         EXPECT_EQ(piped.anoctl().wait(), 1) << command;
         EXPECT_EQ(piped.anoctl().output(), "anoctl: cannot write the output\n");
     }
+    for (const char* option : {"--help", "param --help", "--version", "messages"}) {
+        Piped piped{std::string{option} + " > /dev/full"};
+        EXPECT_EQ(piped.anoctl().wait(), 1) << option;
+        EXPECT_EQ(piped.anoctl().output(), "anoctl: cannot write the output\n") << option;
+    }
 }
 
 // The output of anoctl on a terminal. `no_color` is the value of NO_COLOR; null: it is not set.

@@ -333,6 +333,7 @@ TEST(Daemon, fails_if_the_help_cannot_be_written) {
     for (const char* option : {"--help", "--version"}) {
         Process daemon{"/bin/sh", {"-c", "exec \"$0\" \"$@\" > /dev/full", ANOGATED, option}};
         EXPECT_EQ(daemon.wait(), 1) << option << daemon.output();
+        EXPECT_EQ(daemon.output(), "anogated: cannot write the output\n") << option;
     }
 }
 

@@ -270,6 +270,13 @@ std::string with_a_way_out(const std::string& what, const std::string& chosen, c
     return what + "; to start one: anogated LINK..." + way_without(chosen, options);
 }
 
+/// False, with a message, if the output can't be written.
+bool flushed(Streams& streams) {
+    const bool is_written{streams.out.flush()};
+    if (!is_written) print_note(streams, "cannot write the output");
+    return is_written;
+}
+
 }    // namespace
 
 std::uint8_t message_id_of(const std::string& word, const std::string& where) {
@@ -331,13 +338,12 @@ int run(int argc, const char* const* given, Streams& streams) {
         for (const auto& [command, run] : runs) {
             if (!command->parsed()) continue;
             const int code = run(streams);
-            if (!streams.out.flush()) throw Failure{"cannot write the output"};
-            return code;
+            return flushed(streams) ? code : failed;
         }
         return usage;
     } catch (const CLI::Success& e) {
         app.exit(e, streams.out, streams.err);
-        return fine;
+        return flushed(streams) ? fine : failed;
     } catch (const CLI::RequiredError& e) {
         const auto unknown = app.remaining();
         const auto chosen = app.get_subcommands();
