@@ -20,16 +20,20 @@ bool read_into(std::vector<ConfigText>& files, const std::string& file, ConfigEr
     return false;
 }
 
-/// Excludes backup and temporary files of editors: their names do not end in .json, or begin with a dot.
-bool is_part(const fs::path& file) { return file.extension() == ".json" && !file.filename().string().starts_with('.'); }
+/// Excludes folders, and backup and temporary files of editors: their names do not end in .json, or begin with a dot. Pipes,
+/// sockets and devices are included by any name, so that they are reported.
+bool is_part(const fs::directory_entry& entry) {
+    std::error_code ec;
+    if (entry.path().filename().string().starts_with('.')) return false;
+    return entry.path().extension() == ".json" || entry.is_other(ec);
+}
 
 std::vector<std::string> parts_in(const fs::path& folder, ConfigErrors& errors) {
     std::vector<std::string> parts;
     std::error_code ec;
     for (fs::directory_iterator entry{folder, ec}; !ec && entry != fs::directory_iterator{}; entry.increment(ec))
-        if (is_part(entry->path())) parts.push_back(entry->path().string());
-    if (ec && ec != std::errc::no_such_file_or_directory && ec != std::errc::not_a_directory)
-        errors.push_back({folder.string(), ec.message()});
+        if (is_part(*entry)) parts.push_back(entry->path().string());
+    if (ec && ec != std::errc::no_such_file_or_directory) errors.push_back({folder.string(), ec.message()});
     std::sort(parts.begin(), parts.end());
     return parts;
 }

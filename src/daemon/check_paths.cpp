@@ -45,6 +45,12 @@ std::string fault_of_recording(const std::string& file) {
     return there == fs::file_type::regular || there == fs::file_type::none ? "" : "is not a regular file";
 }
 
+std::string fault_of_recordings(const std::string& folder) {
+    std::error_code ec;
+    const fs::file_status there = fs::status(folder, ec);
+    return !fs::exists(there) || fs::is_directory(there) ? "" : "is not a folder: nothing is recorded";
+}
+
 // The map file may also be added while the program runs.
 std::string fault_of_map(const std::string& file) {
     const fs::file_type there = type_of(file);
@@ -115,6 +121,8 @@ void warn_of_paths(Draft& draft) {
     }
     if (const std::string& file = draft.settings.log.file; !file.empty())
         warn(draft, draft.log, "file", file, fault_of_log(file));
+    if (const std::string& folder = draft.settings.record.folder; !folder.empty())
+        warn(draft, draft.record, "folder", folder, fault_of_recordings(folder));
     if (const std::string& file = draft.settings.control.map.file; !file.empty())
         warn(draft, draft.control, "map/file", file, fault_of_map(file));
 }

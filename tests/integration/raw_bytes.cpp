@@ -144,6 +144,7 @@ TEST_F(RawBytes, in_exclusive_use_by_a_client_that_answers_pings_stay_so) {
     EXPECT_FALSE(raw.ended.has_value());
     send_command();
     EXPECT_TRUE(until([&] { return count("denied_out") == 1; }));
+    EXPECT_TRUE(device.heard().empty()) << "the pings are only for the client";
 }
 
 TEST_F(RawBytes, are_rejected_for_other_link_kinds) {

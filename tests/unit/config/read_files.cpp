@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include <sys/stat.h>
+
 #include <filesystem>
 
 namespace anogate::read_files_tests {
@@ -85,10 +87,13 @@ TEST_F(ReadFiles, reports_unreadable_files) {
     write("a.json", "{}");
     std::filesystem::create_directory(folder / "conf.d/10.json");
     EXPECT_NE(faults().find("conf.d/10.json: Is a directory"), std::string::npos) << faults();
+    std::filesystem::remove(folder / "conf.d/10.json");
+    ASSERT_EQ(::mkfifo((folder / "conf.d/pipe").c_str(), 0600), 0);
+    EXPECT_NE(faults().find("conf.d/pipe: is not a regular file but a pipe, socket or device"), std::string::npos) << faults();
     std::filesystem::remove_all(folder / "conf.d");
     EXPECT_EQ(faults(), "") << "there need not be any";
     write("conf.d", "a file");
-    EXPECT_EQ(faults(), "");
+    EXPECT_NE(faults().find("conf.d: Not a directory"), std::string::npos) << faults();
 }
 
 }    // namespace

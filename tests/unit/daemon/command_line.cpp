@@ -159,6 +159,15 @@ TEST(CommandLine, a_check_warns_of_paths_that_cannot_be_created) {
     EXPECT_NE(of_log(there).find("is a folder: logging to standard error"), std::string::npos);
     EXPECT_EQ(of_log(there + "/a.log"), "");
     EXPECT_EQ(line_of({("pty:" + file).c_str()}).warnings, "") << "the link itself says so when it starts";
+    const auto of_recordings = [&](const std::string& path) {
+        const std::string config = folder.write("record.json", R"({"links": ["sim:fc"], "record": {"folder": ")" + path + "\"}}");
+        return line_of({"--check", "--config", config.c_str()}).warnings;
+    };
+    EXPECT_NE(of_recordings(file).find("/record/folder: warning: 'folder' '" + file + "': is not a folder: nothing is recorded"),
+              std::string::npos)
+        << of_recordings(file);
+    EXPECT_EQ(of_recordings(there), "");
+    EXPECT_EQ(of_recordings(there + "/none"), "") << "it is created";
 }
 
 TEST(CommandLine, a_check_warns_of_a_missing_network_interface) {
