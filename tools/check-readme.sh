@@ -1,6 +1,7 @@
 #!/bin/bash
 # What can be checked of the READMEs: the two of the project are one screen; every hint, counter and kind of link is explained in both
-# languages, a hint under its id as an anchor; every link and file that they name exists, and Chinese text has Chinese punctuation.
+# languages, a hint under its id as an anchor; both languages have the same headings, rows and items in the same order; every link and
+# file that they name exists, and Chinese text has Chinese punctuation.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 export LC_ALL=C.UTF-8
@@ -65,6 +66,17 @@ for readme in "${readmes[@]}"; do
     while IFS= read -r path; do
         [[ -e $path ]] || fault "$readme: $path does not exist"
     done < <(prose "$readme" | grep -oP '`\K(src|include|config|systemd|tools|tests)/[\w./-]*(?=`)')
+done
+
+# The headings, the rows of tables with their number of cells, and the items of lists, in their order.
+shape() {
+    sed 's/`[^`]*`//g' "$1" | awk '/^#/ { print "heading " $1 } /^\|/ { print "row of " gsub(/\|/, "") - 1 } /^- / { print "item" }'
+}
+for readme in "${readmes[@]}"; do
+    chinese=${readme%.md}.zh-CN.md
+    [[ -e $chinese ]] || continue
+    difference=$(diff <(shape "$readme") <(shape "$chinese") | head -3) || true
+    [[ -z $difference ]] || fault "$chinese does not have the headings, rows and items of $readme: ${difference//$'\n'/ }"
 done
 
 # Chinese text: no ASCII punctuation beside a Chinese character. Code and the targets of links are left out.
