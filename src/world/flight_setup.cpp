@@ -51,7 +51,7 @@ void FlightController::add_own_parameters() {
     Parameter serial{.name = "SIM_SERIAL", .type = Type::u64, .initial = other_.serial, .info = "can't be written"};
     serial.get = [this] { return Value{other_.serial}; };
     parameters.add(serial);
-    Parameter charge{.name = "SIM_CHARGE", .type = Type::u8, .initial = std::int64_t{100}, .info = "of the battery, %"};
+    Parameter charge{.name = "SIM_CHARGE", .type = Type::u8, .initial = std::int64_t{100}, .info = "battery charge, %"};
     charge.max = std::int64_t{100};
     charge.get = [this] { return Value{static_cast<std::int64_t>(std::lround(100 * flight_.battery().charge()))}; };
     charge.set = [this](const Value& percent) {
@@ -101,18 +101,18 @@ void FlightController::add_flights() {
     commands.add(command_of(Flight::Task::take_off), "TAKE_OFF", "height in cm; 0: SIM_HEIGHT",
                  [this](std::uint16_t height) { return flight_.take_off((height == 0 ? settings_.height : height) / 100.0); });
     commands.add(command_of(Flight::Task::land), "LAND", "", [this] { return flight_.land(); });
-    commands.add({0x10, 0, 3}, "TURN", "degrees a second, in a hover",
+    commands.add({0x10, 0, 3}, "TURN", "degrees per second, in a hover",
                  [this](std::int8_t turn) { return device().parameters().write("SIM_TURN", Value{std::int64_t{turn}}); });
-    commands.add(command_of(Flight::Task::hover), "HOVER", "here", [this] { return flight_.hover(); });
+    commands.add(command_of(Flight::Task::hover), "HOVER", "stays where it is", [this] { return flight_.hover(); });
     commands.add(command_of(Flight::Task::go_to), "GO_TO", "cm from take-off: north, west, up",
                  [this](std::int64_t x, std::int64_t y, std::uint16_t z) {
                      return flight_.go_to({static_cast<double>(x) / 100, static_cast<double>(y) / 100, z / 100.0});
                  });
     commands.add(command_of(Flight::Task::yaw), "YAW", "degrees to the left of north",
                  [this](std::int16_t yaw) { return flight_.yaw(yaw * degree); });
-    commands.add(command_of(Flight::Task::return_home), "RETURN_HOME", "and lands there",
+    commands.add(command_of(Flight::Task::return_home), "RETURN_HOME", "returns and lands",
                  [this] { return flight_.return_home(); });
-    commands.add(command_of(Flight::Task::route), "WAYPOINTS", "from this one on",
+    commands.add(command_of(Flight::Task::route), "WAYPOINTS", "from this waypoint on",
                  [this](std::uint8_t first) { return fly_waypoints(first); });
 }
 

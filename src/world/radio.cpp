@@ -14,8 +14,8 @@ Radio::Radio(const Settings& settings, TimePoint start)
     auto& parameters = device().parameters();
     parameters.add("RF_POWER", power_, {.info = "dBm", .min = 0, .max = 27});
     parameters.add("RF_CHANNEL", channel_, {.info = "", .min = 1, .max = 13});
-    parameters.add("IP_PORT", port_, {.info = "where its data comes and goes", .min = 1, .max = {}});
-    parameters.add("SIM_DISTANCE", distance_, {.info = "of the other side, m", .min = 1, .max = 100'000});
+    parameters.add("IP_PORT", port_, {.info = "port of its data", .min = 1, .max = {}});
+    parameters.add("SIM_DISTANCE", distance_, {.info = "distance to the other side, m", .min = 1, .max = 100'000});
     parameters.on_save([this] { return store_values(); });
     every(at_rate(hz() / 10), [this] { figures(); });
     every(at_rate(1), [this] {

@@ -74,7 +74,7 @@ TEST_P(DeviceForms, are_listed_read_written_and_commanded) {
     const json charge = row(names.charge);
     const std::string cut = texts == "utf8" ? "剩余电量的百分比：写入后电池立即"
                                             : "剩余电量的百分比：写入后电池立即变为这个电量，飞行";
-    EXPECT_EQ(charge.at("text"), texts == "en" ? "of the battery, %" : cut);
+    EXPECT_EQ(charge.at("text"), texts == "en" ? "battery charge, %" : cut);
 
     EXPECT_EQ(run({"param", "set", names.gain, "3"}).output, names.gain + "=3\n");
     const bool has_fractions = is_typed || is_scaled;

@@ -5,6 +5,7 @@ import { remember, remembered } from "./kept";
 import { words } from "./words";
 import { messageInChinese, reasonInChinese } from "./words_of_device";
 import { causes, errors, hints, hintsInEnglish, titles, unhandled, whos } from "./words_of_gateway";
+import { simulated } from "./words_of_simulated";
 
 export type Language = "en" | "zh";
 export type Key = keyof typeof words;
@@ -64,5 +65,7 @@ export const messageText = (text: string): string => (isChinese() ? messageInChi
 export const reasonText = (text: string): string => (isChinese() ? reasonInChinese(text) : text);
 /** The meaning of a counter, or its name if not known. */
 export const causeText = (name: string): string => said(causes[name] ?? [name, name]);
+/** A description or log message of a device: Chinese if it is one of a simulated device. */
+export const deviceText = (text = ""): string => (isChinese() ? (simulated.get(text) ?? text) : text);
 export const whoText = (who: string): string => (isChinese() ? (whos[who] ?? who) : who);
 export const titleText = (name: string, title: string): string => (isChinese() ? (titles[name] ?? title) : title);

@@ -1,7 +1,7 @@
 // The commands that a device describes.
 import { useEffect, useState } from "preact/hooks";
 import { called } from "../addresses";
-import { t, useLanguage } from "../i18n";
+import { deviceText, t, useLanguage } from "../i18n";
 import { call, commandsOf, openType, readCommands, type Command } from "../live/device";
 import { mayAct } from "../live/gateway";
 import { useStore } from "../live/store";
@@ -25,7 +25,7 @@ function CommandRow({ device, command }: { device: number; command: Command }) {
   return (
     <li class="card command">
       <h2><DeviceText text={command.name} /></h2>
-      {command.text && <p class="muted"><DeviceText text={command.text} /></p>}
+      {command.text && <p class="muted"><DeviceText text={deviceText(command.text)} /></p>}
       {command.values.length > 0 && (
         <div class="values">
           {command.values.map((type, i) => (

@@ -4,7 +4,7 @@ import { nameOf } from "../addresses";
 import { ask } from "../api";
 import { finder } from "../finder";
 import { clockText, significant } from "../format";
-import { t, useLanguage } from "../i18n";
+import { deviceText, t, useLanguage } from "../i18n";
 import { frameStream } from "../live/frames";
 import { seconds, table } from "../live/gateway";
 import { useStore, useTick } from "../live/store";
@@ -116,7 +116,7 @@ export function Log() {
   const isFound = finder(search);
   const all = paused ?? entries;
   const unseen = paused ? count - (paused[paused.length - 1]?.number ?? count) : 0;
-  const found = all.filter((entry) => isFound(entry.missed !== undefined ? "" : `${hexByte(entry.from)} ${nameOf(entry.from)} ${entry.text}`));
+  const found = all.filter((entry) => isFound(entry.missed !== undefined ? "" : `${hexByte(entry.from)} ${nameOf(entry.from)} ${entry.text} ${deviceText(entry.text)}`));
   return (
     <div>
       <h1>{t("log")}</h1>
@@ -133,7 +133,7 @@ export function Log() {
             <li key={entry.number}>
               <time class="muted number">{clockText(entry.time, true)}</time>
               <span class="muted"><DeviceName device={entry.from} /></span>
-              <span class={["", "bad", "good", "blue"][entry.colour] ?? ""}>{entry.value !== undefined && <b>{significant(entry.value, 7)} </b>}<bdi><Words text={visible(entry.text)} /></bdi></span>
+              <span class={["", "bad", "good", "blue"][entry.colour] ?? ""}>{entry.value !== undefined && <b>{significant(entry.value, 7)} </b>}<bdi><Words text={visible(deviceText(entry.text))} /></bdi></span>
             </li>
           ))}
         </ol>

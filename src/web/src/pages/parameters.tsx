@@ -1,7 +1,7 @@
 // The parameters of a device. Writes only changed ones, and shows the values that the device has stored.
 import { useState } from "preact/hooks";
 import { ask, type Answer } from "../api";
-import { t, useLanguage } from "../i18n";
+import { deviceText, t, useLanguage } from "../i18n";
 import { path } from "../live/device";
 import { mayAct } from "../live/gateway";
 import { cancel } from "../live/jobs";
@@ -44,7 +44,7 @@ function Row({ parameter, typed, file, end, disabled, onType }: { parameter: Par
         {changed && <button class="plain" onClick={() => onType(undefined)}>{t("undo_to", { value: String(parameter.value ?? "–") })}</button>}
         {differs && <button class="plain warn" onClick={() => onType(file)}>{t("file_says", { value: file })}</button>}
         {end && <span class={end.state === "failed" ? "bad" : end.clamped ? "warn" : "good"}>{end.state === "failed" ? <DeviceText text={end.what} /> : end.clamped ? t("stored_clamped", { value: String(end.stored) }) : end.stored !== undefined ? t("stored", { value: String(end.stored) }) : end.state} </span>}
-        <span class="muted"><DeviceText text={parameter.text} /></span>
+        <span class="muted"><DeviceText text={deviceText(parameter.text)} /></span>
       </span>
     </li>
   );

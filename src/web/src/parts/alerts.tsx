@@ -2,7 +2,7 @@
 import type { ComponentChildren } from "preact";
 import { called } from "../addresses";
 import { fixed } from "../format";
-import { inWords, t } from "../i18n";
+import { deviceText, inWords, t } from "../i18n";
 import { contact, seconds, status, table } from "../live/gateway";
 import { inPeoplesUnits } from "../live/latest";
 import { type Alarm, fieldOf, messageOf, type Limit } from "../live/limits";
@@ -79,7 +79,7 @@ export function Alerts() {
       {!isLost && loud.length > 0 && <button type="button" class="silence" onClick={silence}>{t("silence")}</button>}
       {red.slice(0, shown).map((line) => (
         <p key={line.device} class="strip" role="status">
-          <span><b>{tx("red_lines", { name: called(line.device), n: line.count })}</b> <a href={hashOf({ page: "log", device: undefined })}><DeviceText text={line.text} /></a></span>
+          <span><b>{tx("red_lines", { name: called(line.device), n: line.count })}</b> <a href={hashOf({ page: "log", device: undefined })}><DeviceText text={deviceText(line.text)} /></a></span>
           <button type="button" onClick={() => dismissRed(line.device)}>{t("dismiss")}</button>
         </p>
       ))}

@@ -1,0 +1,52 @@
+// Chinese translations of the texts of simulated devices: descriptions of parameters and commands, log messages. A device with the
+// same text is translated as well. Names, units and texts of other devices remain as they are sent.
+
+// A Map, because a device may send the name of a property of every object.
+export const simulated = new Map(Object.entries({
+  // parameters
+  "0 attitude, 1 and height, 2 and position, 3 programmed": "0 姿态，1 定高，2 定点，3 程控",
+  "turn rate in a hover, degrees per second to the left": "悬停时的转弯速度，向左为正，度/秒",
+  "hover height, cm: TAKE_OFF 0 climbs to it": "悬停高度，厘米：TAKE_OFF 0 升到这个高度",
+  "speed on the way to a point, cm/s": "飞往目标点的速度，厘米/秒",
+  "barometer error, cm": "气压计误差，厘米",
+  "time in a hover until the battery is empty, s": "悬停到电池耗尽的时间，秒",
+  "range finder error, cm": "测距仪误差，厘米",
+  "gusts, % of the wind": "阵风，风速的百分比",
+  "degrees from north, clockwise": "从正北顺时针的角度",
+  "longitude of the take-off point, degrees": "起飞点的经度，度",
+  "latitude of the take-off point, degrees": "起飞点的纬度，度",
+  "1: sends a moving picture": "1：发送活动的图像",
+  "seconds since 1970": "1970 年以来的秒数",
+  "anything": "任意内容",
+  "can't be written": "不能写入",
+  "battery charge, %": "电池电量，%",
+  "tilt of the swaying table, degrees": "桌面晃动的角度，度",
+  "above ground, cm": "离地高度，厘米",
+  "speed at which it is carried, cm/s": "被携带移动的速度，厘米/秒",
+  "port of its data": "收发数据的端口",
+  "distance to the other side, m": "到对方的距离，米",
+  "maximum turn rate, degrees per second": "最大的转弯速度，度/秒",
+  "driving time until the battery is empty, s": "行驶到电池耗尽的时间，秒",
+  // commands
+  "height in cm; 0: SIM_HEIGHT": "高度，厘米；0：使用 SIM_HEIGHT",
+  "degrees per second, in a hover": "悬停时的转弯速度，度/秒",
+  "stays where it is": "停在当前位置",
+  "cm from take-off: north, west, up": "相对起飞点的距离，厘米：北、西、上",
+  "degrees to the left of north": "从正北向左的角度",
+  "returns and lands": "返回起飞点并降落",
+  "from this waypoint on": "从这个航点开始",
+  "reports the sum of its values": "报告各值之和",
+  "on the ground": "在地面时",
+  "as SIM_MODE": "同 SIM_MODE",
+  "stops at once": "立即停车",
+  "cm from the start point: north, west": "相对起点的距离，厘米：北、西",
+  // log messages
+  "unlocked": "已解锁",
+  "landed": "已降落",
+  "battery low": "电量低",
+  "battery nearly empty: landing": "电量即将耗尽，正在降落",
+  "done": "完成",
+  "is the sum": "是总和",
+  "dBm: the link is poor": "dBm：链路质量差",
+  "new firmware": "新固件",
+}));
