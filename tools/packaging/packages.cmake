@@ -43,6 +43,9 @@ set(CPACK_DEBIAN_ANOGATE_PACKAGE_SECTION comm)
 # 13 has libssl3t64 alone; its functions with time_t, which differ there, are not used.
 set(CPACK_DEBIAN_ANOGATE_PACKAGE_DEPENDS "libc6 (>= 2.35), libgcc-s1 (>= 3.4), libqrencode4 (>= 3.2.0), \
 libssl3 (>= 3.0.0) | libssl3t64 (>= 3.0.0), libstdc++6 (>= 12), systemd | systemd-standalone-sysusers | systemd-sysusers")
+if(ANOGATE_PACKAGE_RELEASE STREQUAL "this")    # of a newer release: its own versions, in addition
+  set(CPACK_DEBIAN_ANOGATE_PACKAGE_SHLIBDEPS ON)
+endif()
 set(CPACK_DEBIAN_ANOGATE_PACKAGE_SUGGESTS "can-utils, gpiod, wireguard-tools")
 set(CPACK_DEBIAN_ANOGATE_PACKAGE_CONTROL_EXTRA
   ${PROJECT_SOURCE_DIR}/tools/packaging/conffiles ${PROJECT_SOURCE_DIR}/tools/packaging/preinst ${PROJECT_SOURCE_DIR}/tools/packaging/postinst
