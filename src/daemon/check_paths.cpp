@@ -121,8 +121,8 @@ void warn_of_paths(Draft& draft) {
     }
     if (const std::string& file = draft.settings.log.file; !file.empty())
         warn(draft, draft.log, "file", file, fault_of_log(file));
-    if (const std::string& folder = draft.settings.record.folder; !folder.empty())
-        warn(draft, draft.record, "folder", folder, fault_of_recordings(folder));
+    if (const auto& record = draft.settings.record; record && !record->folder.empty())
+        warn(draft, draft.record, "folder", record->folder, fault_of_recordings(record->folder));
     if (const std::string& file = draft.settings.control.map.file; !file.empty())
         warn(draft, draft.control, "map/file", file, fault_of_map(file));
 }

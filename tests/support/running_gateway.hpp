@@ -31,7 +31,7 @@ public:
     /// In a shared loop, which must outlive it.
     RunningGateway(Loop& loop, anogate::Settings settings);
     RunningGateway(Loop& loop, std::vector<std::string> links);
-    ~RunningGateway();
+    virtual ~RunningGateway();
 
     anogate::asio::io_context& io() { return loop_.io; }
     anogate::Gateway& gateway() { return gateway_; }
