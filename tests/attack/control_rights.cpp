@@ -237,7 +237,6 @@ TEST(FewDescriptors, are_used_for_tcp_peers_before_clients_of_the_control_interf
         Crowd clients, peers;
         for (int i = 0; i < 60; ++i) clients.add(at_socket(), "GET /frames HTTP/1.1\r\nHost: x\r\n" + upgrade + "\r\n");
         ASSERT_TRUE(wait_until([&] { return clients.answered() == clients.size(); }, std::chrono::minutes{1}));
-        for (int i = 0; i < 20; ++i) clients.add(at_socket(), "GET /sta");
         for (std::size_t i = 0; i < hosts; ++i) peers.add(connect_tcp(daemon.port("tcp")), {command.begin(), command.end()});
         EXPECT_TRUE(daemon.until([](const nlohmann::json& status) {
             return status.is_object() && status.at("links").at(0).at("channels").size() == hosts;
