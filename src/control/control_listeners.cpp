@@ -199,6 +199,8 @@ bool ControlListeners::use(Files files) {
     network_.tls = std::move(files.tls);
     const std::string advice = network_.tls ? network_.tls->advice() : std::string{};
     if (!advice.empty()) log_warning("control.tls: {}: {}", settings_.tls.key, advice);
+    const std::string validity = network_.tls ? network_.tls->validity() : std::string{};
+    if (!validity.empty()) log_warning("control.tls: {}: {}", settings_.tls.certificate, validity);
     server_.set_tls(network_.tls);
     listener_info_.is_encrypted = network_.tls != nullptr;
     listener_info_.certificate = network_.tls ? whole_path(settings_.tls.certificate) : std::string{};

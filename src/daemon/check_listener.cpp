@@ -55,9 +55,10 @@ void warn_of_tls(Draft& draft, bool service) {
     if (service) warn_of_key(draft, draft.control.key("tls"), key);
     if (service && (is_hidden(certificate) || is_hidden(key))) return;
     const auto tls = http::Tls::load(certificate, key);
-    if (!tls) draft.warnings.push_back({draft.control.key("tls"), "warning: control.http stays off: " + tls.error()});
-    else if (const std::string advice = (*tls)->advice(); !advice.empty())
-        draft.warnings.push_back({draft.control.key("tls"), "warning: " + key + ": " + advice});
+    const auto warn = [&](const std::string& what) { draft.warnings.push_back({draft.control.key("tls"), "warning: " + what}); };
+    if (!tls) return warn("control.http stays off: " + tls.error());
+    if (const std::string advice = (*tls)->advice(); !advice.empty()) warn(key + ": " + advice);
+    if (const std::string validity = (*tls)->validity(); !validity.empty()) warn(certificate + ": " + validity);
 }
 
 void warn_of_link(Draft& draft, std::size_t at, bool service) {

@@ -2,6 +2,7 @@
 #include <config/config.hpp>
 #include <daemon/command_line.hpp>
 #include <http/client/certificate.hpp>
+#include <support/early_certificate.hpp>
 #include <support/files.hpp>
 #include <support/temp_dir.hpp>
 
@@ -229,6 +230,26 @@ TEST(CommandLine, a_check_warns_of_a_key_that_slows_down_new_connections) {
     };
     EXPECT_NE(warnings(3072).find("an RSA key of 3072 bits slows down every new connection"), std::string::npos);
     EXPECT_EQ(warnings(2048).find("RSA"), std::string::npos);
+}
+
+TEST(CommandLine, a_check_warns_of_a_certificate_of_the_page_that_is_not_valid) {
+    const support::TempDir folder;
+    const std::string certificate = folder / "c.pem", key = folder / "k.pem";
+    const std::string file = folder.write(
+        "listener.json", R"({"links": ["sim:fc"], "control": {"http": "127.0.0.1:0", "tls": {"certificate": ")" + certificate +
+                             R"(", "key": ")" + key + R"("}}})");
+    const auto warnings = [&](int days) {
+        const std::string made = "openssl req -x509 -nodes -subj /CN=x -newkey rsa:2048 -days " + std::to_string(days) +
+                                 " -keyout " + key + " -out " + certificate + " 2>/dev/null";
+        EXPECT_EQ(std::system(made.c_str()), 0);
+        std::filesystem::permissions(key, std::filesystem::perms{0600});
+        return line_of({"--check", "--config", file.c_str()}).warnings;
+    };
+    EXPECT_EQ(warnings(100).find(certificate), std::string::npos);
+    EXPECT_NE(warnings(9).find("tls: warning: " + certificate + ": the certificate expires in "), std::string::npos);
+    ASSERT_TRUE(support::postpone_validity(certificate, key));
+    EXPECT_NE(line_of({"--check", "--config", file.c_str()}).warnings.find(certificate + ": the certificate is not valid yet"),
+              std::string::npos);
 }
 
 TEST(CommandLine, a_check_explains_once_the_risk_of_ports_open_to_all_networks) {
