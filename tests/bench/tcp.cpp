@@ -3,13 +3,21 @@
 #include "goals.hpp"
 
 #include <ano/parser.hpp>
+#include <daemon/command_line.hpp>
+#include <runtime/gateway.hpp>
 #include <support/namespaces.hpp>
 #include <support/tcp_peer.hpp>
+#include <sys/asio.hpp>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdlib>
+#include <ctime>
 #include <fstream>
 #include <map>
+#include <utility>
+#include <variant>
+#include <vector>
 
 #include <poll.h>
 #include <sys/socket.h>
@@ -200,6 +208,39 @@ void measure_tcp_urgent(Run& run) {
     for (const std::size_t size : sizes) measure_urgent_behind(run, size);
 }
 
+namespace {
+
+double processor_ms_of_this_thread() {
+    timespec t{};
+    ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+    return static_cast<double>(t.tv_sec) * 1e3 + static_cast<double>(t.tv_nsec) / 1e6;
+}
+
+/// The most processor time, in ms, that a gateway in this thread spends on one event, the first connections included. Other
+/// programs do not count, whatever they take.
+double longest_event(std::vector<std::string> links, std::chrono::milliseconds time) {
+    links.insert(links.begin(), {"anogated", "--control", "none"});
+    std::vector<const char*> words;
+    for (const std::string& link : links) words.push_back(link.c_str());
+    auto line = anogate::parse_command_line(static_cast<int>(words.size()), words.data());
+    must(std::holds_alternative<anogate::CommandLine>(line), "links");
+    anogate::asio::io_context io{1};
+    anogate::Gateway gateway{io, std::get<anogate::CommandLine>(std::move(line)).settings};
+    gateway.start([](const std::string&) {});
+    double longest = 0;
+    for (const auto end = steady_clock::now() + time; steady_clock::now() < end;) {
+        const double before = processor_ms_of_this_thread();
+        io.run_one_for(10ms);
+        longest = std::max(longest, processor_ms_of_this_thread() - before);
+    }
+    bool is_stopped = false;
+    gateway.stop({}, [&] { is_stopped = true; });
+    while (!is_stopped) io.run_one_for(10ms);
+    return longest;
+}
+
+}    // namespace
+
 // Half of them refuse connections, and half do not answer.
 void measure_dead_peers(Run& run) {
     const std::string what = "Ten TCP peers that are not there: % of a core";
@@ -212,9 +253,22 @@ void measure_dead_peers(Run& run) {
         links.push_back("tcp:127.0.0.1:" + std::to_string(100 + i) + ",name=refuses-" + std::to_string(i));
         links.push_back("tcp:10.9.0.9:" + std::to_string(100 + i) + ",name=silent-" + std::to_string(i));
     }
-    const GatewayProcess gateway{run.anogated, links};
-    std::this_thread::sleep_for(5s);
-    run.table.measure(what, percent_of_a_core(gateway.pid()), at_most(0.5));
+    {
+        const GatewayProcess gateway{run.anogated, links};
+        std::this_thread::sleep_for(5s);
+        run.table.measure(what, percent_of_a_core(gateway.pid()), at_most(0.5));
+    }
+    const std::vector<std::string> traffic{"sim:fc,hz=200", "udp:127.0.0.1:9,bind=127.0.0.1:0"};
+    links.insert(links.end(), traffic.begin(), traffic.end());
+    links.push_back("tcp:name.invalid:23");
+    std::vector<double> ours, beside;
+    for (int round = 0; round < rounds; ++round) {
+        ours.push_back(longest_event(links, 3s));
+        beside.push_back(longest_event(traffic, 3s));
+    }
+    run.table.measure("… longest event of a loop with them, a name that does not exist and telemetry: ms of processor time", ours,
+                      at_most(5));
+    run.table.measure("… of the same loop with the telemetry alone", beside, no_goal);
 }
 
 }    // namespace bench
