@@ -99,6 +99,10 @@ public:
     bool are_all_down(ChannelSet channels) const noexcept { return (channels - down_).empty(); }
     /// Whether a channel of another link of its group is connected.
     bool has_connected_mate(ChannelId channel) const noexcept { return !are_all_down(mates(channel)); }
+    /// A command is to be sent on `channel`.
+    void note_command(ChannelId channel, TimePoint now) noexcept { commanded_at_[index(channel)] = now; }
+    /// Whether that was so after `since` on a connected channel of another link of its group.
+    bool has_newer_command_of_mate(ChannelId channel, TimePoint since) const noexcept;
     /// Frames sent on this link were refused: its group uses another link until a frame is received on this one.
     void report_unreachable(LinkId link) { heard_link_[index(link)] = TimePoint::min(); }
 
@@ -259,9 +263,10 @@ private:
     std::array<ChannelSet, ano::address::last_port_id + 1> port_channels_{};
     std::array<LinkSet, 256> pinned_{};
 
-    std::array<LinkSet, max_links + 1> groups_{};    // by number; [0] is unused
-    unsigned open_ = 0;                              // channels
-    bool grouped_ = false;                           // any link has a group
+    std::array<LinkSet, max_links + 1> groups_{};           // by number; [0] is unused
+    unsigned open_ = 0;                                     // channels
+    bool grouped_ = false;                                  // any link has a group
+    std::array<TimePoint, max_channels> commanded_at_{};    // zero: never
     std::array<TimePoint, max_links> heard_link_ = [] {
         std::array<TimePoint, max_links> all;
         all.fill(TimePoint::min());

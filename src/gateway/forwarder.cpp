@@ -223,6 +223,8 @@ void Forwarder::offer(ChannelId from, ChannelId to, ano::FrameView frame, QueueP
         if ((to_one_place_ || group != 0) && ano::intent_of(frame) != ano::Intent::informs) {
             if (to_one_place_) channel.echo.sent(frame_key(frame), now_);
             duplicates_.asked(group, now_);
+            if (ano::intent_of(frame) == ano::Intent::acts && policy.replaces == Replaces::nothing)
+                router_.note_command(to, now_);
         }
     }
     if (!fate_observers_.empty()) [[unlikely]]

@@ -84,6 +84,7 @@ void Router::unpin(std::uint8_t first, std::uint8_t last, LinkId link) {
 void Router::open(ChannelId channel, LinkId link) {
     ++open_;
     link_of_[index(channel)] = link;
+    commanded_at_[index(channel)] = {};
     channels_of_link_[index(link)].insert(channel);
     homes_changed_ = true;
     if (links_[index(link)].flood) flooded_.insert(channel);
@@ -119,6 +120,12 @@ void Router::close(ChannelId channel) {
 void Router::went_down(ChannelId channel) {
     down_.insert(channel);
     if (claims_.next()) settle();
+}
+
+bool Router::has_newer_command_of_mate(ChannelId channel, TimePoint since) const noexcept {
+    for (const ChannelId mate : mates(channel) - down_)
+        if (commanded_at_[index(mate)] > since) return true;
+    return false;
 }
 
 // Ends the tests of addresses whose holder has no connected channel: the address moves to the claimant.

@@ -45,6 +45,8 @@ public:
     virtual void leave_group(Channel&) {}
     /// Whether another link of the group of this channel is connected, and can carry its frames.
     virtual bool has_connected_mate(const Channel&) const { return false; }
+    /// Whether a connected one of those links was passed a command after `since`.
+    virtual bool has_newer_command_of_mate(const Channel&, TimePoint /*since*/) const { return false; }
     /// Whether one of our links, of any kind, is bound to this UDP port.
     virtual bool is_own_port(std::uint16_t) const { return false; }
     /// The channels of working links whose outboxes are not empty.

@@ -3,6 +3,7 @@
 #include <config/difference.hpp>
 #include <gateway/forwarder.hpp>
 #include <gateway/settings.hpp>
+#include <gateway/v7_echo_watch.hpp>
 #include <gpio/gpio.hpp>
 #include <link/link_context.hpp>
 #include <link/resolver.hpp>

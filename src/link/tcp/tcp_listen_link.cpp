@@ -29,6 +29,9 @@ constexpr int accepts_per_turn = 64;
 constexpr Duration accept_pause = std::chrono::seconds{1};
 constexpr Duration between_silent = std::chrono::seconds{1};    // looks for room for those that only receive
 constexpr Duration one_exchange = std::chrono::seconds{1};      // longest silence of a device during an exchange
+// After its last frame, a host that has ended its output still receives, as in printf ... | nc. A host that is gone resets the
+// connection at the next frame.
+constexpr Duration for_answers = std::chrono::seconds{2};
 
 PeerBook::Options book_options(const TcpListenSettings& tcp) {
     const std::size_t quarter = tcp.max_peers / 4u;
@@ -64,11 +67,14 @@ public:
           id{its_channel.id},
           address{peer.address},
           since{link.context_.host.now()},
+          answered_{link.context_.alarms, [this] { link_.end(*this, cause_of(0)); }},
           link_{link} {
         translate(link.settings().as<TcpListenSettings>().v7, link.settings());
     }
 
     bool has_heard(std::uint8_t source) const { return heard_[source]; }
+    /// The peer sends no more, and awaits answers to its last frames.
+    bool only_awaits_answers() const { return answered_.is_set(); }
     TimePoint heard_at() const { return heard_at_; }
     using StreamSession::channel;
     using StreamSession::translation;
@@ -95,7 +101,14 @@ private:
         StreamSession::receive(frame);
     }
     void acknowledges_nothing() override { context_.host.report_unreachable(link_); }
-    void read_ended(int error) override { link_.end(*this, cause_of(error)); }
+    void read_ended(int error) override {
+        const TimePoint by = heard_at_ + for_answers;
+        if (error != 0 || !tls_fault().empty() || !is_of_hosts_alone() || context_.host.now() >= by)
+            return link_.end(*this, cause_of(error));
+        pause_reading();
+        if (!translation()) end_of_input();
+        if (is_open()) answered_.set(by);
+    }
     void failed(int error) override { link_.end(*this, cause_of(error)); }
     std::string cause_of(int error) const {
         if (const std::string fault = tls_fault(); !fault.empty()) return "TLS: " + fault;
@@ -103,7 +116,14 @@ private:
         return error == ETIMEDOUT ? "it acknowledged nothing for too long" : error_text(error);
     }
 
+    bool is_of_hosts_alone() const {
+        for (std::size_t source = 0; source < heard_.size(); ++source)
+            if (heard_[source] && !ano::address::is_host(static_cast<std::uint8_t>(source))) return false;
+        return heard_.any();
+    }
+
     bool has_rival_ = false;    // another connection of the same device was active recently
+    Alarm answered_;
     TcpListenLink& link_;
     std::bitset<256> heard_;    // the sources of its frames
     TimePoint heard_at_{};
@@ -266,6 +286,11 @@ void TcpListenLink::begin(int fd, const ClientsWithoutFrame::Sender& sender, Cha
 bool TcpListenLink::make_place(const ClientsWithoutFrame::Sender& sender, PeerBook::Rank rank, TimePoint now) {
     const PeerBook::Place place = book_.place_for(sender.peer, now, rank, sender.commands);
     if (place.free && !place.evicted) return true;
+    const auto ending = std::ranges::find_if(connections_, [](const auto& one) { return one->only_awaits_answers(); });
+    if (ending != connections_.end()) {
+        end(**ending, "it closed the connection");
+        return make_place(sender, rank, now);
+    }
     Connection* leaves = former_of(sender, rank, now);
     if (!leaves && place.evicted) leaves = connection_of(*place.evicted);
     if (leaves) end(*leaves, "another peer needed the connection");

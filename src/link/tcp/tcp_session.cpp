@@ -84,19 +84,32 @@ std::chrono::milliseconds TcpSession::not_acknowledged_for() const {
     return std::chrono::duration_cast<std::chrono::milliseconds>(unacknowledged_.age(now));
 }
 
-// Frames in the kernel must not be delivered when they are stale, nor after newer frames that another link of the group delivers.
-Duration TcpSession::patience() {
-    const bool others_deliver = context_.host.has_connected_mate(channel());
-    return std::min(dead_after_, others_deliver ? patience_in_group : max_age_);
+// Frames in the kernel must not be delivered when they are stale, nor long after newer frames that another link of the group
+// delivers, and not at all after a newer command.
+Duration TcpSession::patience(Duration age) {
+    if (!context_.host.has_connected_mate(channel())) return std::min(dead_after_, max_age_);
+    const bool is_overtaken = is_interrupted() && context_.host.has_newer_command_of_mate(channel(), context_.host.now() - age);
+    return is_overtaken ? Duration{} : std::min(dead_after_, patience_in_group);
+}
+
+Duration TcpSession::between_looks() {
+    return context_.host.has_connected_mate(channel()) ? look_again : std::min(dead_after_, patience_in_group);
+}
+
+bool TcpSession::is_interrupted() {
+    return unacknowledged_.may_be_interrupted(context_.host.now(), [this] { return round_trip(fd()); });
 }
 
 // A connection whose peer does not read is closed by the kernel, after dead_after.
 void TcpSession::give_up_if_silent() {
     if (!is_open() || is_opening() || not_acknowledged() == 0) return;
     const Duration age = not_acknowledged_for();
-    const Duration longest = std::max<Duration>(patience(), 4 * round_trip(fd()).now);
-    if (age < longest) return give_up_.set(context_.host.now() + std::min(longest - age, patience_in_group));
-    if (waits_for_reader(fd())) return give_up_.set(context_.host.now() + patience());
+    const Duration longest = std::max<Duration>(patience(age), 4 * round_trip(fd()).now);
+    if (age < longest) {
+        if (is_interrupted()) acknowledges_nothing();
+        return give_up_.set(context_.host.now() + std::min(longest - age, between_looks()));
+    }
+    if (waits_for_reader(fd())) return give_up_.set(context_.host.now() + std::max<Duration>(longest, look_again));
     gave_up_after_ = longest;
     abort_connection(fd());
     failed(ETIMEDOUT);
@@ -148,7 +161,7 @@ ssize_t TcpSession::write_some(std::span<const iovec> pieces) {
         bytes += pieces[count++].iov_len;
     const ssize_t n = tls_ ? tls_->write(pieces.first(count)) : StreamSession::write_some(pieces.first(count));
     if (n > 0) unacknowledged_.wrote(static_cast<std::size_t>(n), context_.host.now());
-    if (n > 0 && !give_up_.is_set()) give_up_.set(context_.host.now() + std::min(dead_after_, patience_in_group));
+    if (n > 0 && !give_up_.is_set()) give_up_.set(context_.host.now() + between_looks());
     return n;
 }
 

@@ -28,8 +28,7 @@ public:
     std::string tls_fault() const;
 
 protected:
-    /// Data waits for an acknowledgement for much longer than the path needs, and more is to be sent: another link of the group
-    /// should be used.
+    /// Data waits for an acknowledgement for much longer than the path needs: another link of the group should be used.
     virtual void acknowledges_nothing() = 0;
     /// For how long the other end was silent when the connection failed with ETIMEDOUT.
     Duration silent_for() const noexcept { return gave_up_after_.value_or(dead_after_); }
@@ -53,7 +52,9 @@ private:
     bool begin_step();
     bool waits_for_acknowledgement();
     void give_up_if_silent();
-    Duration patience();
+    Duration patience(Duration age);
+    Duration between_looks();
+    bool is_interrupted();
 
     Duration dead_after_, max_age_;    // max_age_: of frames in the kernel
     std::optional<Duration> gave_up_after_;
