@@ -14,19 +14,53 @@
 
 namespace anogate {
 
+/// Frames that were sent a short time ago, each as often as it was sent. No allocation after construction.
+class V7SentFrames {
+public:
+    /// A frame that returns later is not recognised.
+    static constexpr ano::Duration window = std::chrono::seconds{1};
+
+    void add(std::uint64_t key, ano::TimePoint now) noexcept {
+        const std::uint8_t* const before = counts_.find(key, now);
+        counts_.put(key, static_cast<std::uint8_t>(before ? std::min(*before + 1, 255) : 1), now);
+    }
+    /// All equal ones.
+    void forget(std::uint64_t key, ano::TimePoint now) noexcept {
+        if (std::uint8_t* const count = counts_.find(key, now)) *count = 0;
+    }
+    /// Whether it was sent; true once for each time.
+    bool take(std::uint64_t key, ano::TimePoint now) noexcept {
+        std::uint8_t* const count = counts_.find(key, now);
+        if (!count || *count == 0) return false;
+        --*count;
+        return true;
+    }
+    void clear() noexcept {
+        counts_.keep_if([](std::uint64_t, const auto&) { return false; });
+    }
+
+    static std::uint64_t key_of(ano::v7::FrameView frame) noexcept {
+        std::array<std::uint8_t, 8> padded{};
+        if (frame.bytes().size() >= padded.size()) return key_of_bytes(frame.bytes());
+        std::copy(frame.bytes().begin(), frame.bytes().end(), padded.begin());
+        return key_of_bytes(padded);
+    }
+
+private:
+    ExpiringCache<std::uint8_t> counts_{window, 512};
+};
+
 /// For one link. A frame that asks or acts is an echo if it is equal to one that was sent: no device sends it. Telemetry of two
 /// devices may be equal, so it passes unless the line is known to return frames. Probes show that: they are sent ahead of
 /// telemetry, to an address that no device has. No allocation after construction.
 class V7EchoWatch {
 public:
-    /// A frame that returns later is not recognised.
-    static constexpr ano::Duration window = std::chrono::seconds{1};
     static constexpr ano::Duration probe_interval = std::chrono::seconds{5};
     /// How long the line is known to return frames after a probe has returned: two probes may be lost.
     static constexpr ano::Duration holds = 3 * probe_interval;
 
     /// `line`: a random number, which distinguishes the probes of this link from those of others; 0: it sends none.
-    explicit V7EchoWatch(std::uint32_t line) : line_{line}, sent_{window, 512}, received_{window, 512} {
+    explicit V7EchoWatch(std::uint32_t line) : line_{line}, received_{V7SentFrames::window, 512} {
         // A device that takes a HEAD in a probe for that of a frame would lose the next frame.
         for (encode_probe(); line_ != 0 && has_head_within(); encode_probe()) line_ = std::max(line_ * 1664525 + 1013904223, 1u);
     }
@@ -42,23 +76,12 @@ public:
         return id == 0x40 || id == 0x41 || id == 0x60 || id == 0x61 || (id >= 0xE0 && id <= 0xE2);
     }
 
-    void sent(ano::v7::FrameView frame, ano::TimePoint now) noexcept {
-        const std::uint64_t key = key_of(frame);
-        const std::uint8_t* const before = sent_.find(key, now);
-        sent_.put(key, static_cast<std::uint8_t>(before ? std::min(*before + 1, 255) : 1), now);
-    }
+    void sent(ano::v7::FrameView frame, ano::TimePoint now) noexcept { sent_.add(V7SentFrames::key_of(frame), now); }
     /// It was answered: an equal frame is the device's own.
-    void answered(ano::v7::FrameView frame, ano::TimePoint now) noexcept {
-        if (std::uint8_t* const count = sent_.find(key_of(frame), now)) *count = 0;
-    }
+    void answered(ano::v7::FrameView frame, ano::TimePoint now) noexcept { sent_.forget(V7SentFrames::key_of(frame), now); }
 
     /// Whether a received frame is an echo of a sent one; each is recognised once.
-    bool is_back(ano::v7::FrameView frame, ano::TimePoint now) noexcept {
-        std::uint8_t* const count = sent_.find(key_of(frame), now);
-        if (!count || *count == 0) return false;
-        --*count;
-        return true;
-    }
+    bool is_back(ano::v7::FrameView frame, ano::TimePoint now) noexcept { return sent_.take(V7SentFrames::key_of(frame), now); }
     /// The same on a line with a device.
     Returned judge(ano::v7::FrameView frame, ano::TimePoint now) noexcept {
         if (is_probe(frame)) return note_probe(frame, now);
@@ -80,9 +103,8 @@ public:
 
     /// The connection was lost.
     void reset() noexcept {
-        const auto none = [](std::uint64_t, const auto&) { return false; };
-        sent_.keep_if(none);
-        received_.keep_if(none);
+        sent_.clear();
+        received_.keep_if([](std::uint64_t, const auto&) { return false; });
         probed_at_.reset();
         echo_at_.reset();
         loop_at_.reset();
@@ -93,12 +115,6 @@ private:
     static constexpr std::array<std::uint8_t, probe_data - 4> probe_word{'R', 'i', 'n', 'g'};    // before the line
     struct Nothing {};
 
-    static std::uint64_t key_of(ano::v7::FrameView frame) noexcept {
-        std::array<std::uint8_t, 8> padded{};
-        if (frame.bytes().size() >= padded.size()) return key_of_bytes(frame.bytes());
-        std::copy(frame.bytes().begin(), frame.bytes().end(), padded.begin());
-        return key_of_bytes(padded);
-    }
     static bool is_probe(ano::v7::FrameView frame) noexcept {
         const auto data = frame.data();
         return frame.id() == probe_id && data.size() == probe_data &&
@@ -123,14 +139,14 @@ private:
     }
     // In a loop each round of a frame arrives with the same bytes.
     bool is_repeated(ano::v7::FrameView frame, ano::TimePoint now) noexcept {
-        const std::uint64_t key = key_of(frame);
+        const std::uint64_t key = V7SentFrames::key_of(frame);
         if (received_.find(key, now)) return true;
         received_.put(key, {}, now);
         return false;
     }
 
     std::uint32_t line_;
-    ExpiringCache<std::uint8_t> sent_;    // how often, less the echoes
+    V7SentFrames sent_;
     ExpiringCache<Nothing> received_;
     std::optional<ano::TimePoint> probed_at_{}, echo_at_{}, loop_at_{};
     std::array<std::uint8_t, ano::v7::overhead + probe_data> probe_{};

@@ -6,6 +6,7 @@
 #include <ano/address.hpp>
 
 #include <array>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -46,6 +47,8 @@ private:
     };
 
     // from the host program
+    /// Whether it is no frame of the host program, but one that a device link of this gateway sent: the wires are connected.
+    bool is_of_own_device_link(ano::v7::FrameView frame) noexcept;
     std::uint8_t host_of(std::uint8_t v7_id) const noexcept { return source_of(v7_id, ano::address::host); }
     void send_to_device(std::uint8_t v7_id, std::uint8_t id, Data data, V7Output& output) {
         send_up(host_of(v7_id), settings_.address, id, data, output);
@@ -89,6 +92,9 @@ private:
     double scale_of(std::uint16_t index, ano::Type type) const noexcept;
 
     Altitude alt_bar_;
+    struct Nothing {};
+    // Frames of the host program; for longer than one of them may wait before it is sent to the device.
+    ExpiringCache<Nothing> accepted_{std::chrono::seconds{10}, 512};
     ExpectedAcks to_host_;                            // acknowledgements of the device, of frames of the host program
     std::array<KnownType, 256> types_{};              // by index, the last ones that were asked for
     std::array<Request, max_waiting + 1> queue_{};    // a ring

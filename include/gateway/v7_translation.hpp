@@ -85,6 +85,9 @@ struct V7Settings {
     std::size_t max_data = 44;                // the largest DATA sent to the device; at most 255
     std::string name{};                       // in the device information; empty: after `address`
     std::uint32_t line = 0;                   // a random number, see V7EchoWatch; 0: no probes are sent
+    // The frames of all links with devices of this gateway that were not answered yet; must outlive the translation. nullptr: a loop
+    // of a device link and a host link is not detected.
+    V7SentFrames* sent_to_devices = nullptr;
 
     static std::bitset<256> default_down();
 };
@@ -229,6 +232,7 @@ protected:
         Origin origin;
         ano::TimePoint at{};
         bool waits = false;
+        std::uint64_t key = 0;    // of the frame sent to a device, V7SentFrames::key_of()
     };
     /// The last frames of one direction whose acknowledgement is expected; equal ones are answered in their order.
     struct ExpectedAcks {
@@ -237,7 +241,7 @@ protected:
 
         /// False: it replaces one that is still expected.
         bool add(const Expected& expected) noexcept;
-        std::optional<Origin> take(std::uint8_t id, ano::Checks checks, ano::TimePoint now) noexcept;
+        std::optional<Expected> take(std::uint8_t id, ano::Checks checks, ano::TimePoint now) noexcept;
     };
     struct Altitude {
         std::int32_t value = 0;
@@ -328,6 +332,13 @@ private:
     bool reaches_only(std::uint8_t asked, std::uint8_t v7_id) const noexcept;
     /// Counts a frame that was sent by a gateway.
     bool has_returned(ano::v7::FrameView frame) noexcept;
+    /// The device has received a frame that was sent to it.
+    void note_answered(std::uint64_t key) noexcept {
+        if (settings_.sent_to_devices) settings_.sent_to_devices->forget(key, now_);
+    }
+    void note_answered(const Request& request) noexcept {
+        note_answered(V7SentFrames::key_of(ano::v7::FrameView{request.frame()}));
+    }
     std::uint8_t receiver(std::uint8_t asked, std::uint8_t v7_id) const noexcept;
     Origin origin_of(ano::FrameView frame) const noexcept;
 

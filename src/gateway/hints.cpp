@@ -229,8 +229,10 @@ Hint trouble(const LinkFigures& link, bool with_details) {
     if (!link.ring_back.empty()) return ring(link);    // first: its copies look like one device on two links
     if (link.shared != SharedSource::none) return shared(link);
     if (link.v7_loops)
-        return {"v7_loop",
-                "the other end of this line is a V7 link of a gateway, not a device: disconnect it, or set v7_role=host"};
+        return {
+            "v7_loop",
+            "the other end of this line is a V7 link of a gateway: disconnect it, or set v7_role=host at one end if it joins two "
+            "gateways"};
     if (link.echoes) return {"echo", "the line echoes sent frames: disable the receiver while sending, or ignore this"};
     if (link.v7_commands)
         return {"v7_commands",

@@ -52,6 +52,7 @@ void V7HostTranslation::reset() noexcept {
     alt_bar_ = {};
     to_host_ = {};
     echoes_.reset();
+    accepted_.keep_if([](std::uint64_t, const auto&) { return false; });
     types_ = {};
     first_ = size_ = 0;
     in_flight_ = is_written_ = false;
@@ -65,6 +66,7 @@ void V7HostTranslation::up(v7::FrameView frame, ano::TimePoint now, V7Output& ou
     const Data data = frame.data();
     now_ = now;
     if (echoes_.is_back(frame, now)) return drop(&V7Counters::up_echo);
+    if (is_of_own_device_link(frame)) return drop(&V7Counters::up_loop);
     if (is_of_own_sensor(id)) return drop(&V7Counters::up_own_sensor);
     if (id == 0x00) return drop(&V7Counters::up_unmatched);
     if (v7::table::is_new_in_v8(id)) return drop(&V7Counters::up_no_counterpart);
@@ -82,6 +84,15 @@ void V7HostTranslation::up(v7::FrameView frame, ano::TimePoint now, V7Output& ou
     }
     if (v7::is_same_in_v8(id)) send_to_device(id, id, data, output);
     else rebuild_up(frame, output);
+}
+
+// A frame of the host program is sent to the device in turn, and the program may repeat it.
+bool V7HostTranslation::is_of_own_device_link(v7::FrameView frame) noexcept {
+    if (!settings_.sent_to_devices) return false;
+    const std::uint64_t key = V7SentFrames::key_of(frame);
+    if (!accepted_.find(key, now_) && settings_.sent_to_devices->take(key, now_)) return true;
+    accepted_.put(key, {}, now_);
+    return false;
 }
 
 void V7HostTranslation::rebuild_up(v7::FrameView frame, V7Output& output) {
@@ -228,11 +239,12 @@ void V7HostTranslation::altitude_down(std::uint8_t to, Data data, ano::TimePoint
 
 void V7HostTranslation::check_down(Data data, ano::TimePoint now, V7Output& output) {
     if (data.size() < 3) return drop(&V7Counters::down_malformed);
-    const auto origin = to_host_.take(data[0], {data[1], data[2]}, now);
-    if (!origin) return drop(&V7Counters::down_unmatched);
-    const std::uint8_t check[]{origin->id, origin->checks.sum, origin->checks.add};
-    send_down(origin->host, 0x00, check, output);
-    if (const Request* request = in_flight(0xE2); request && request->origin.checks == origin->checks && origin->id == 0xE2)
+    const auto expected = to_host_.take(data[0], {data[1], data[2]}, now);
+    if (!expected) return drop(&V7Counters::down_unmatched);
+    const Origin& origin = expected->origin;
+    const std::uint8_t check[]{origin.id, origin.checks.sum, origin.checks.add};
+    send_down(origin.host, 0x00, check, output);
+    if (const Request* request = in_flight(0xE2); request && request->origin.checks == origin.checks && origin.id == 0xE2)
         end_request(now, output);
 }
 

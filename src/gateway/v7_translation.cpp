@@ -88,13 +88,13 @@ bool V7LinkTranslation::ExpectedAcks::add(const Expected& expected) noexcept {
 }
 
 // The oldest one that matches.
-std::optional<V7LinkTranslation::Origin> V7LinkTranslation::ExpectedAcks::take(std::uint8_t id, ano::Checks checks,
-                                                                               ano::TimePoint now) noexcept {
+std::optional<V7LinkTranslation::Expected> V7LinkTranslation::ExpectedAcks::take(std::uint8_t id, ano::Checks checks,
+                                                                                 ano::TimePoint now) noexcept {
     for (std::size_t i = 0; i < all.size(); ++i) {
         Expected& expected = all[(next + i) % all.size()];
         if (!expected.waits || expected.id != id || expected.checks != checks || now - expected.at >= memory) continue;
         expected.waits = false;
-        return expected.origin;
+        return expected;
     }
     return std::nullopt;
 }
@@ -234,10 +234,12 @@ void V7Translation::check_up(v7::FrameView frame, ano::TimePoint now, V7Output& 
     const Data data = frame.data();
     if (data.size() != 3) return drop(&V7Counters::up_malformed);
     const ano::Checks checks{data[1], data[2]};
-    const auto origin = to_host_.take(data[0], checks, now);
-    if (!origin) return drop(&V7Counters::up_unmatched);
-    const std::uint8_t acknowledged[]{origin->id, origin->checks.sum, origin->checks.add};
-    send_up(origin->asked, origin->host, 0x00, acknowledged, output);
+    const auto expected = to_host_.take(data[0], checks, now);
+    if (!expected) return drop(&V7Counters::up_unmatched);
+    note_answered(expected->key);
+    const Origin& origin = expected->origin;
+    const std::uint8_t acknowledged[]{origin.id, origin.checks.sum, origin.checks.add};
+    send_up(origin.asked, origin.host, 0x00, acknowledged, output);
     if (in_flight_ && queue_[first_].id() == data[0] && v7::FrameView{queue_[first_].frame()}.checks() == checks) {
         echoes_.answered(v7::FrameView{queue_[first_].frame()}, now);
         end_request(now, output);
@@ -255,6 +257,7 @@ void V7Translation::parameter_up(v7::FrameView frame, ano::TimePoint now, V7Outp
     if (!to_all && !ano::address::is_host(v8_address_of(frame.destination()))) return drop(&V7Counters::up_command);
     if (asked) {
         const Request& request = queue_[first_];
+        note_answered(request);
         if (!request.is_own) send_parameter(request.origin, request.index, value, output);
         return end_request(now, output, value);
     }
@@ -290,6 +293,7 @@ bool V7Translation::waypoint_up(v7::FrameView frame, ano::TimePoint now, V7Outpu
     if (data.empty() || !in_flight_ || queue_[first_].id() != 0x60) return false;
     const Request& request = queue_[first_];
     if (frame.id() == 0x61 && request.subject != data[0]) return false;
+    note_answered(request);
     send_up(request.origin.asked, request.origin.host, frame.id(), data, output);
     end_request(now, output);
     return true;

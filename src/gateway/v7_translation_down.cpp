@@ -102,6 +102,7 @@ void V7Translation::send_down(Data bytes, V7Output& output) {
     if (!V7EchoWatch::asks_or_acts(frame.id())) send_probe(output);
     ++counters_.down;
     echoes_.sent(frame, now_);
+    if (settings_.sent_to_devices) settings_.sent_to_devices->add(V7SentFrames::key_of(frame), now_);
     output.to_device(frame);
 }
 
@@ -140,7 +141,7 @@ void V7Translation::command_down(const Origin& origin, Data data, ano::TimePoint
     std::copy(data.begin(), data.end(), command.begin());
     const std::size_t size = v7::encode(v7_, receiver(origin.asked, 0xE0), 0xE0, command);
     const v7::FrameView frame{Data{v7_}.first(size)};
-    if (settings_.ack == V7Ack::device) expect(to_host_, {0xE0, frame.checks(), origin, now, true});
+    if (settings_.ack == V7Ack::device) expect(to_host_, {0xE0, frame.checks(), origin, now, true, V7SentFrames::key_of(frame)});
     send_down(frame.bytes(), output);
     if (settings_.ack == V7Ack::sent) acknowledge(origin, output);
 }
@@ -255,8 +256,9 @@ void V7Translation::describe_commands(const Origin& origin, Data data, V7Output&
 void V7Translation::describe_parameter(const Origin& origin, std::uint16_t index, V7Output& output) {
     constexpr std::uint8_t i32 = 5, f32 = 8;
     const auto rows = parameters_of(origin.asked);
-    if (index >= rows.size()) return drop(&V7Counters::down_no_counterpart);
-    const V7Parameter& row = rows[index];
+    if (!rows.empty() && index >= rows.size()) return drop(&V7Counters::down_no_counterpart);
+    const V7Parameter unlisted{.number = index, .name = {}};    // without a table, the index is the number
+    const V7Parameter& row = rows.empty() ? unlisted : rows[index];
     std::array<std::uint8_t, 80> info{};
     ano::store(info.data(), index);
     info[2] = row.as_f32 ? f32 : i32;
@@ -409,7 +411,8 @@ void V7Translation::send_request(ano::TimePoint now, V7Output& output) {
     ++times_sent_;
     due_ = now + settings_.repeat_interval;
     if (!asks_for_data(request) && settings_.ack == V7Ack::device)
-        expect(to_host_, {request.id(), v7::FrameView{request.frame()}.checks(), request.origin, now, true});
+        expect(to_host_, {request.id(), v7::FrameView{request.frame()}.checks(), request.origin, now, true,
+                          V7SentFrames::key_of(v7::FrameView{request.frame()})});
     send_down(request.frame(), output);
 }
 

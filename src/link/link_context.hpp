@@ -9,6 +9,7 @@ class AlarmClock;
 class DatagramBatch;
 class DatagramSender;
 class Resolver;
+class V7SentFrames;
 
 struct LinkContext {
     asio::io_context& io;
@@ -17,6 +18,7 @@ struct LinkContext {
     DatagramBatch& batch;
     DatagramSender& sender;
     Resolver& names;
+    V7SentFrames& v7_sent_to_devices;
 };
 
 }    // namespace anogate

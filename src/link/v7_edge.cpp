@@ -16,10 +16,12 @@ ano::v7::FrameParser::Options parser_options(const LinkSettings& link) {
     return {std::min<std::size_t>(link.max_data, ano::v7::max_len), link.frame_gap.value_or(quiet_of(*link.kind))};
 }
 
-std::unique_ptr<V7LinkTranslation> translation_for(const V7LinkSettings& v7, const LinkSettings& link) {
+std::unique_ptr<V7LinkTranslation> translation_for(const V7LinkSettings& v7, const LinkSettings& link,
+                                                   const LinkContext& context) {
     V7Settings settings = v7.translation();
     settings.port_id = link.id;
     settings.line = std::random_device{}();
+    settings.sent_to_devices = &context.v7_sent_to_devices;
     if (v7.role == V7Role::host) return std::make_unique<V7HostTranslation>(std::move(settings));
     return std::make_unique<V7Translation>(std::move(settings));
 }
@@ -29,7 +31,8 @@ std::unique_ptr<V7LinkTranslation> translation_for(const V7LinkSettings& v7, con
 V7Edge::V7Edge(const V7LinkSettings& v7, const LinkSettings& link, const LinkContext& context, Calls calls)
     : context_{context},
       calls_{std::move(calls)},
-      translation_{translation_for(v7, link)},
+      translation_{translation_for(v7, link, context)},
+      has_program_{v7.role == V7Role::host},
       parser_{parser_options(link)},
       alarm_{context.alarms, [this] { ring(); }} {}
 
@@ -53,7 +56,8 @@ void V7Edge::translate_received() {
 void V7Edge::note_drops(TimePoint now) {
     const V7Counters& is = translation_->counters();
     if (is.up_echo != noted_.up_echo) channel_->v7.echo = now;
-    if (is.up_loop != noted_.up_loop) channel_->v7.loop = now;
+    // A host program may send the same as another host just did.
+    if (is.up_loop != noted_.up_loop && (!has_program_ || is.up_loop >= 3)) channel_->v7.loop = now;
     if (is.up_command != noted_.up_command) channel_->v7.command = now;
     noted_ = is;
     noted_drops_ = translation_->dropped();

@@ -101,6 +101,9 @@ private:
     std::size_t free_channels() const override { return max_channels - forwarder_.channels().size(); }
     void leave_group(Channel& channel) override { forwarder_.leave_group(channel); }
     bool has_connected_mate(const Channel& channel) const override { return forwarder_.router().has_connected_mate(channel.id); }
+    bool has_newer_command_of_mate(const Channel& channel, TimePoint since) const override {
+        return forwarder_.router().has_newer_command_of_mate(channel.id, since);
+    }
     void close_channel(Channel& channel, std::string_view why) override;
     void receive(Channel& from, ano::FrameView frame) override;
     void changed(Link& link, LinkEvent event, LinkError why) override;
@@ -177,6 +180,7 @@ private:
     DatagramBatch batch_;
     DatagramSender sender_;
     Resolver names_{io_};
+    V7SentFrames v7_sent_to_devices_;
     Forwarder forwarder_;
     std::unique_ptr<Gpio> gpio_;
     std::vector<LinkState> links_;    // after all members that links refer to; in configuration order

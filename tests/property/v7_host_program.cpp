@@ -40,8 +40,10 @@ struct Chain {
         void from_device(ano::FrameView frame) override { v8(frame); }
     };
 
-    Chain(std::uint64_t seed, unsigned loss)
-        : line{ano::world::make_device("lx", {0, 50, seed}, start), {.loss = loss, .delay = 5ms}, seed, start} {
+    Chain(std::uint64_t seed, unsigned loss, const anogate::V7Settings& settings = with_table())
+        : host_side{settings},
+          device_side{settings},
+          line{ano::world::make_device("lx", {0, 50, seed}, start), {.loss = loss, .delay = 5ms}, seed, start} {
         at_host.v7 = [this](v7::FrameView f) { to_program.emplace_back(f.bytes().begin(), f.bytes().end()); };
         at_host.v8 = [this](ano::FrameView f) { to_device_edge.emplace_back(f.bytes().begin(), f.bytes().end()); };
         at_device.v7 = [this](v7::FrameView f) {
@@ -50,7 +52,7 @@ struct Chain {
         };
         at_device.v8 = [this](ano::FrameView f) { to_host_edge.emplace_back(f.bytes().begin(), f.bytes().end()); };
     }
-    static anogate::V7Settings settings() {
+    static anogate::V7Settings with_table() {
         anogate::V7Settings made{.address = imu};
         made.parameters = anogate::v7_lx_parameters();
         return made;
@@ -103,8 +105,8 @@ struct Chain {
 
     static constexpr ano::TimePoint start{1000s};
     ano::TimePoint now = start;
-    anogate::V7HostTranslation host_side{settings()};
-    anogate::V7Translation device_side{settings()};
+    anogate::V7HostTranslation host_side;
+    anogate::V7Translation device_side;
     ano::world::FaultyLine line;
     Side at_host, at_device;
     std::vector<Bytes> to_program, to_device_edge, to_host_edge, to_line;
@@ -131,6 +133,24 @@ Bytes parameter(std::uint16_t number, std::int32_t value) {
 }
 
 class HostProgramWithLoss : public testing::TestWithParam<unsigned> {};    // %
+
+// Neither side has a table.
+TEST_P(HostProgramWithLoss, reads_and_writes_parameters_by_number_without_a_table) {
+    for (std::uint64_t seed = 0; seed < support::trials(3); ++seed) {
+        SCOPED_TRACE(seed);
+        Chain chain{seed, GetParam(), {.address = imu}};
+        for (const std::uint16_t number : std::initializer_list<std::uint16_t>{151, 300, 1001}) {
+            SCOPED_TRACE(number);
+            const auto is_value = [&](const Bytes& f) {
+                return f == v7_frame(0xAF, 0xE2, parameter(number, chain.device().parameter(number)));
+            };
+            EXPECT_TRUE(chain.ask(v7_frame(0x60, 0xE1, u16(number)), 10, is_value));
+            const Bytes write = v7_frame(0x60, 0xE2, parameter(number, 77));
+            EXPECT_TRUE(chain.ask(write, 10, Chain::check_of(write)));
+            EXPECT_EQ(chain.device().parameter(number), 77);
+        }
+    }
+}
 
 TEST_P(HostProgramWithLoss, reads_and_writes_parameters_by_number) {
     for (std::uint64_t seed = 0; seed < support::trials(3); ++seed) {

@@ -10,7 +10,7 @@ export const hints: Record<string, string> = {
   unknown_device: "发给 {device} 的命令和写入没有发出：还没有任何链路收到过它的帧，而其他设备可能会执行；请用 --route {device}=链路 指定",
   no_broadcast: "发给 0xFF（所有设备）的命令和写入没有发出：其他链路都不接受广播（broadcast=no 或 profile=old）；请改为发给具体设备的地址",
   answers_for_others: "设备 {device} 会执行发给其他地址的帧：请在这条链路上设置 profile=old",
-  v7_loop: "这条线路的另一端是网关的 V7 链路，不是设备：请断开，或者设置 v7_role=host",
+  v7_loop: "这条线路的另一端是网关的 V7 链路：请断开；如果它连接两个网关，请在其中一端设置 v7_role=host",
   v7_commands: "这里收到的命令和请求已被丢弃，因为 V7 设备不会发送它们；如果另一端是上位机程序，请设置 v7_role=host",
   echo: "线路有回波：发出的帧会被自己收到；请在发送时关闭接收，或者忽略",
   no_address: "有设备以 {source} 发送，它不是设备地址，因此只能收到广播：请设置设备的 ID，或者为它配置 alias",

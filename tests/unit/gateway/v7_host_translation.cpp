@@ -366,6 +366,37 @@ TEST(V7HostTranslation, what_was_sent_to_the_host_program_is_neither_a_write_nor
     EXPECT_EQ(link.counted().up_echo, 2u);
 }
 
+// Their wires are connected with each other: each frame that the device link sends arrives at the host link.
+TEST(V7HostTranslation, a_frame_of_a_device_link_of_this_gateway_is_not_of_the_host_program) {
+    V7SentFrames sent;
+    V7Settings settings{.address = imu};
+    settings.sent_to_devices = &sent;
+    struct DeviceLink final : V7Output {
+        void to_device(v7::FrameView f) override { frames.emplace_back(f.bytes().begin(), f.bytes().end()); }
+        void from_device(ano::FrameView) override {}
+        Frames frames;
+    } at_device;
+    V7Translation device{settings};
+    HostLink link{settings};
+    const Bytes command = frame(host, imu, 0xC0, {0x10, 0, 1});
+    const auto command_device = [&] {
+        device.down(ano::FrameView{command}, link.now, at_device);
+        return at_device.frames.back();
+    };
+    for (int n = 0; n < 3; ++n) EXPECT_TRUE(link.up(command_device()).empty());
+    EXPECT_EQ(link.counted().up_loop, 3u);
+    const Bytes same = command_device();
+    device.up(v7::FrameView{v7_frame(0xAF, 0x00, check_of_v7(same))}, link.now, at_device);
+    EXPECT_EQ(link.up(same).size(), 1u) << "the device has acknowledged the other one, so this one is of the program";
+    command_device();
+    EXPECT_EQ(link.up(same).size(), 1u) << "the program repeats it";
+    link.now += 10s;
+    command_device();
+    link.now += 1s;
+    EXPECT_EQ(link.up(same).size(), 1u) << "the other one is too old";
+    EXPECT_EQ(link.counted().up_loop, 3u);
+}
+
 TEST(V7HostTranslation, values_that_one_side_cannot_represent_are_refused) {
     HostLink link{fc};
     link.up(0xE2, written(11, 256));

@@ -888,6 +888,38 @@ TEST(V7Translation, no_frame_contains_one_that_a_device_must_not_get) {
     EXPECT_EQ(drops(link.counted()), 2u);
 }
 
+// A host may form such a frame of the end of one and the beginning of the next. A device that takes whole frames never finds it.
+TEST(V7Translation, of_two_frames_one_after_the_other_a_device_takes_these_two) {
+    for (std::uint64_t seed = 0; seed < support::trials(300); ++seed) {
+        support::Random random{seed};
+        V7Link link{imu};
+        Bytes first = Bytes(random.below(20u), random.byte()), second = Bytes(random.below(20u), random.byte());
+        const Bytes header{0xAA, 0xFF, 0xF1, static_cast<std::uint8_t>(second.size() + 2)};    // of the second frame
+        const Bytes inner = random.one_in(2) ? Bytes{0xAA, 0xFF, 0xE0, 10, 0x01, 0x20, 0xAA, random.byte()}
+                                             : Bytes{0xAA, 0xFF, random.of<std::uint8_t>({0x01, 0x0F, 0x20, 0x21}), 6};
+        const Bytes begin = one(link.down(0xF1, first + inner));
+        ASSERT_FALSE(begin.empty());
+        Bytes forbidden = inner + Bytes(begin.end() - 2, begin.end()) + header + Bytes(2);
+        ano::seal(forbidden);
+        ASSERT_TRUE(v7::frame_at(forbidden));
+        const Bytes end = one(link.down(0xF1, Bytes(forbidden.end() - 2, forbidden.end()) + second));
+        ASSERT_FALSE(end.empty());
+        const Bytes stream = begin + end;
+        ASSERT_NE(std::search(stream.begin(), stream.end(), forbidden.begin(), forbidden.end()), stream.end());
+        v7::FrameParser device{{}};
+        Frames taken;
+        for (std::size_t at = 0; at < stream.size();) {
+            const std::size_t n = std::min<std::size_t>(stream.size() - at, 1 + random.below(12u));
+            const auto room = device.prepare();
+            std::copy_n(stream.begin() + static_cast<std::ptrdiff_t>(at), n, room.begin());
+            device.commit(n, link.now);
+            while (const auto frame = device.next()) taken.emplace_back(frame->bytes().begin(), frame->bytes().end());
+            at += n;
+        }
+        ASSERT_EQ(taken, (Frames{begin, end}));
+    }
+}
+
 TEST(V7Translation, a_frame_with_several_distances_is_dropped_once) {
     V7Link link{imu};
     Bytes distances{100};
