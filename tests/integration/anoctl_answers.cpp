@@ -133,7 +133,7 @@ TEST_F(AnoctlOtherDevice, is_listed_with_its_name_and_found_by_it_in_upper_or_lo
     EXPECT_EQ(anoctl({"param", "get", "SIM_RANGE_OFFSET", "--device", "SimFC"}).exit, 0);
 }
 
-TEST(AnoctlDevices, a_pinned_device_is_listed_with_its_link) {
+TEST(AnoctlPinnedDevice, is_listed_with_its_link) {
     const TempDir dir;
     Daemon gateway{ANOGATED, dir / "control", {"sim:fc,name=vehicle", "--route", "0xDC=vehicle"}};
     ASSERT_TRUE(gateway.until_answers()) << gateway.output();

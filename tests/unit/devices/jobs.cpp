@@ -547,7 +547,7 @@ TEST_F(Jobs, devices_whose_frames_passed_are_listed_but_not_hosts) {
     net.passes(frame(0xFE, 0xFF, 0xE0, {0, 0, 0}));
     json devices = net.ask("GET", "/devices").json.at("devices");
     ASSERT_EQ(devices.size(), 2u);
-    EXPECT_EQ(devices[1], json::parse(R"({"address": "0x30", "age": 0.0})"));
+    EXPECT_EQ(devices[1], json::parse(R"({"address": "0x30", "link": "fc", "age": 0.0})"));
     for (int i = 0; i < 500; ++i) {
         net.pass(10ms);
         net.passes(frame(0x30, 0xFF, 0x01, Bytes(13)));
