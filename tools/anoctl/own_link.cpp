@@ -7,6 +7,7 @@
 #include <config/config.hpp>
 #include <config/key_facts.hpp>
 #include <gateway/hints.hpp>
+#include <gateway/v7_echo_watch.hpp>
 #include <link/clocks.hpp>
 #include <link/kinds.hpp>
 #include <link/link_context.hpp>
@@ -85,7 +86,7 @@ public:
           streams_{streams},
           who_{std::move(who)},
           look_every_{look_every},
-          link_{settings.kind->make(LinkId{0}, settings, {io_, alarms_, *this, batch_, sender_, names_})} {}
+          link_{settings.kind->make(LinkId{0}, settings, {io_, alarms_, *this, batch_, sender_, names_, v7_sent_to_devices_})} {}
 
     void start() {
         link_->start();
@@ -296,6 +297,7 @@ private:
     DatagramBatch batch_;
     DatagramSender sender_;
     Resolver names_{io_};
+    V7SentFrames v7_sent_to_devices_;
     FrameReceiver& receiver_;
     Streams& streams_;
     const std::string who_;
