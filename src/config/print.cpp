@@ -1,5 +1,6 @@
 #include <ano_json/flexible_json.hpp>
 #include <config/config.hpp>
+#include <config/key_objects.hpp>
 #include <config/link_kind.hpp>
 
 #include <nlohmann/json.hpp>
@@ -8,18 +9,7 @@ namespace anogate {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-template <class Section>
-void print_keys(const Section& section, const KeyList<Section>& list, Json& into) {
-    for (const Key<Section>* key : list.keys) {
-        auto value = printed(*key, key->get(*key, section));
-        if (!value) continue;
-        Json* object = &into;
-        const auto names = split(key->name, '.');
-        for (const std::string_view outer : std::span{names}.first(names.size() - 1)) object = &(*object)[std::string{outer}];
-        (*object)[std::string{names.back()}] = *std::move(value);
-    }
-}
+using key_objects::print_keys;
 
 template <class Section>
 Json object_of(const Section& section, Keys<Section> keys, std::string_view kind = {}) {

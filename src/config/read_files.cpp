@@ -40,6 +40,12 @@ std::vector<std::string> parts_in(const fs::path& folder, ConfigErrors& errors) 
 
 }    // namespace
 
+std::vector<ConfigText> read_config_file(const std::string& file, ConfigErrors& errors) {
+    std::vector<ConfigText> files;
+    read_into(files, file, errors);
+    return files;
+}
+
 std::vector<ConfigText> read_config_files(const std::string& file, ConfigErrors& errors) {
     std::vector<ConfigText> files;
     if (!read_into(files, file, errors)) return files;

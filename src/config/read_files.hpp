@@ -16,6 +16,9 @@ struct ConfigText {
 /// `file`, then conf.d/*.json in its folder, sorted by name. A file that can't be read is an error. May block on the disk.
 std::vector<ConfigText> read_config_files(const std::string& file, ConfigErrors& errors);
 
+/// `file` alone, if it can be read.
+std::vector<ConfigText> read_config_file(const std::string& file, ConfigErrors& errors);
+
 /// Adds all of them to the draft.
 void read_config(const std::vector<ConfigText>& files, Draft& draft);
 

@@ -1,4 +1,5 @@
 #include <config/config.hpp>
+#include <config/key_objects.hpp>
 #include <config/link_kind.hpp>
 
 #include <nlohmann/json.hpp>
@@ -7,26 +8,8 @@ namespace anogate {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-Json closed_object() { return {{"type", "object"}, {"additionalProperties", false}, {"properties", Json::object()}}; }
-
-template <class Section>
-Json& add_keys(Json& object, const KeyList<Section>& list) {
-    for (const Key<Section>* key : list.keys) {
-        Json property{{"description", key->help}};
-        property.update(row_of(key->form).schema(*key));
-        Json* in = &object;
-        const auto names = split(key->name, '.');
-        for (const std::string_view outer : std::span{names}.first(names.size() - 1)) {
-            Json& inner = (*in)["properties"][std::string{outer}];
-            if (inner.is_null()) inner = closed_object();
-            in = &inner;
-        }
-        (*in)["properties"][std::string{names.back()}] = property;
-        if (key->required) object["required"].push_back(key->name);
-    }
-    return object;
-}
+using key_objects::add_keys;
+using key_objects::closed_object;
 
 template <class Section>
 Json object_of(Keys<Section> keys) {
