@@ -59,18 +59,6 @@ std::string GatewayOptions::post(const std::string& target, const std::string& b
     return body_of(answer_to(std::move(request), socket()));
 }
 
-std::string percent_encoded(std::string_view word) {
-    std::string text;
-    for (const char c : word) {
-        const auto byte = static_cast<unsigned char>(c);
-        const bool is_plain = (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || c == '-' ||
-                              c == '_' || c == '.' || c == '~';
-        if (is_plain) text += c;
-        else text.append("%").append(1, "0123456789ABCDEF"[byte >> 4]).append(1, "0123456789ABCDEF"[byte & 15]);
-    }
-    return text;
-}
-
 std::string format_failure(const http::Answer& answer) {
     const auto json = nlohmann::json::parse(answer.body, nullptr, false);
     if (json.is_object() && json.contains("error") && json["error"].is_string())

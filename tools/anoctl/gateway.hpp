@@ -3,6 +3,7 @@
 #include "options.hpp"
 
 #include <http/answer.hpp>
+#include <http/client/percent_encoded.hpp>
 
 #include <string>
 #include <string_view>
@@ -26,8 +27,7 @@ struct GatewayOptions {
     anogate::http::Answer answer(const std::string& method, const std::string& target, const std::string& accept = {}) const;
 };
 
-/// `word`, encoded as a part of a request target.
-std::string percent_encoded(std::string_view word);
+using anogate::http::percent_encoded;
 
 /// The text of an error response: its "error", or its status.
 std::string format_failure(const anogate::http::Answer& answer);
