@@ -88,6 +88,7 @@ void CdrEncoder::write_number(RosType type, const ano::Value& value) {
     switch (type) {
     case RosType::boolean: return write<std::uint8_t>(number_of<std::int64_t>(value) != 0 ? 1 : 0);
     case RosType::int8: return write(number_of<std::int8_t>(value));
+    case RosType::byte:
     case RosType::uint8: return write(number_of<std::uint8_t>(value));
     case RosType::int16: return write(number_of<std::int16_t>(value));
     case RosType::uint16: return write(number_of<std::uint16_t>(value));

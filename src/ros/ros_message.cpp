@@ -46,8 +46,8 @@ void append_definition(const RosMessage& message, std::string& out) {
 }    // namespace
 
 std::string_view name_of(RosType type) noexcept {
-    static constexpr std::array<std::string_view, 13> names{"bool",  "int8",   "uint8",   "int16",   "uint16", "int32", "uint32",
-                                                            "int64", "uint64", "float32", "float64", "string", ""};
+    static constexpr std::array<std::string_view, 14> names{"bool",   "byte",  "int8",   "uint8",   "int16",   "uint16", "int32",
+                                                            "uint32", "int64", "uint64", "float32", "float64", "string", ""};
     return names[static_cast<std::size_t>(type)];
 }
 

@@ -10,6 +10,7 @@ namespace anogate {
 
 enum class RosType : std::uint8_t {
     boolean,
+    byte,    // as uint8, except in the hash of a type
     int8,
     uint8,
     int16,

@@ -39,25 +39,20 @@ void append(const Rotation& q, ValueList& out) {
 void append(std::string_view text, ValueList& out) { out.push(ano::Value{text}); }
 void append_whole(std::int64_t number, ValueList& out) { out.push(ano::Value{number}); }
 
-// As in sensor_msgs: all zeros mean an unknown covariance, -1 on the diagonal a missing value.
-template <std::size_t Size>
-struct Covariance {
-    std::array<std::uint8_t, Size * sizeof(double)> bytes{};
-    constexpr void set(std::size_t i, double value) noexcept { ano::store(bytes.data() + i * sizeof value, value); }
-};
-
-constexpr Covariance<9> unknown_covariance{};
-constexpr Covariance<36> unknown_covariance_of_pose{};
+constexpr Covariance<9> no_covariance{};
+constexpr std::int64_t diagonal_known = 2;    // NavSatFix.COVARIANCE_TYPE_DIAGONAL_KNOWN
 constexpr Covariance<9> no_orientation = [] {
     Covariance<9> covariance;
     covariance.set(0, -1);
     return covariance;
 }();
-constexpr Covariance<36> no_rates = [] {
-    Covariance<36> covariance;
-    for (const std::size_t diagonal : {21u, 28u, 35u}) covariance.set(diagonal, -1);
-    return covariance;
-}();
+
+// The elements `first` to `first` + 2 of the diagonal of a matrix.
+template <std::size_t Size>
+void set_diagonal(Covariance<Size>& covariance, std::size_t first, double value) noexcept {
+    constexpr std::size_t next = Size == 9 ? 4 : 7;
+    for (std::size_t axis = first; axis < first + 3; ++axis) covariance.set(axis * next, value);
+}
 
 template <std::size_t Size>
 void append(const Covariance<Size>& covariance, ValueList& out) {
@@ -101,10 +96,27 @@ StandardMessages::StandardMessages(std::string_view frame, ImageRows* images, st
       camera_{frame_ + "/camera"},
       images_{images},
       sender_{sender} {
+    set_variances({});
     for (std::size_t i = 0; i < range_frames_.size(); ++i) {
         const auto topic = static_cast<std::size_t>(StandardTopic::range_down) + i;
         range_frames_[i] = frame_ + '/' + std::string{standard_row(static_cast<StandardTopic>(topic)).name};
     }
+}
+
+void StandardMessages::set_variances(const Variances& variances) noexcept {
+    variances_ = variances;
+    set_diagonal(orientation_covariance_, 0, variances.orientation);
+    set_diagonal(rates_covariance_, 0, variances.angular_velocity);
+    set_diagonal(acceleration_covariance_, 0, variances.linear_acceleration);
+    set_diagonal(field_covariance_, 0, variances.magnetic_field);
+    set_diagonal(fix_covariance_, 0, variances.fix);
+    fix_covariance_.set(8, variances.fix_altitude);
+    set_diagonal(pose_covariance_, 0, variances.position);
+    set_diagonal(pose_covariance_, 3, variances.orientation);
+    set_diagonal(twist_covariance_, 0, variances.velocity);
+    set_diagonal(twist_covariance_, 3, variances.angular_velocity);
+    set_diagonal(twist_without_rates_, 0, variances.velocity);
+    set_diagonal(twist_without_rates_, 3, -1);
 }
 
 std::span<const StandardTopic> StandardMessages::receive(const ano::Reading& reading, std::uint64_t time_ns) {
@@ -215,11 +227,11 @@ void StandardMessages::append_values(StandardTopic topic, ValueList& out) const 
     case StandardTopic::magnetic_field:
         append_header(frame_, out);
         append(vector("mag_", tesla), out);
-        return append(unknown_covariance, out);
+        return append(field_covariance_, out);
     case StandardTopic::temperature:
         append_header(frame_, out);
         out.push(number("tmp"));
-        return out.push(0.0);
+        return out.push(variances_.temperature);
     case StandardTopic::orientation:
         append_header(ground_, out);
         return append(is_fresh(by_quaternion_) ? by_quaternion_.value : by_euler_.value, out);
@@ -243,15 +255,15 @@ void StandardMessages::append_imu(ValueList& out) const {
     append_header(frame_, out);
     if (is_fresh(by_quaternion_) || is_fresh(by_euler_)) {
         append(is_fresh(by_quaternion_) ? by_quaternion_.value : by_euler_.value, out);
-        append(unknown_covariance, out);
+        append(orientation_covariance_, out);
     } else {
         append(Rotation{}, out);
         append(no_orientation, out);
     }
     append(rates_.value, out);
-    append(unknown_covariance, out);
+    append(rates_covariance_, out);
     append(vector("acc_", metre), out);
-    append(unknown_covariance, out);
+    append(acceleration_covariance_, out);
 }
 
 void StandardMessages::append_odometry(ValueList& out) const {
@@ -260,11 +272,11 @@ void StandardMessages::append_odometry(ValueList& out) const {
     append(std::string_view{frame_}, out);
     append(vector("pos_", metre), out);
     append(attitude, out);
-    append(unknown_covariance_of_pose, out);
+    append(pose_covariance_, out);
     append(turned_back(attitude, velocity_.value), out);
     const bool turns = is_fresh(rates_);
     append(turns ? rates_.value : Vector{}, out);
-    append(turns ? unknown_covariance_of_pose : no_rates, out);
+    append(turns ? twist_covariance_ : twist_without_rates_, out);
 }
 
 void StandardMessages::append_battery(ValueList& out) const {
@@ -284,8 +296,9 @@ void StandardMessages::append_fix(ValueList& out) const {
     out.push(is_fix(fix_sta) ? number("lat") : nan);
     out.push(is_fix(fix_sta) ? number("lng") : nan);
     out.push(is_fix(fix_sta) && fix_sta > 2 ? metre * number("alt_gps") : nan);
-    append(unknown_covariance, out);
-    append_whole(0, out);
+    const bool is_known = is_fix(fix_sta) && variances_.fix > 0;
+    append(is_known ? fix_covariance_ : no_covariance, out);
+    append_whole(is_known ? diagonal_known : 0, out);
 }
 
 // Angles are clockwise from the nose. A distance of 0 means no measurement.
@@ -340,7 +353,8 @@ void StandardMessages::append_range(StandardTopic topic, ValueList& out) const {
     const double dist = 0.001 * number("dist");
     append_header(range_frames_[static_cast<std::size_t>(topic) - static_cast<std::size_t>(StandardTopic::range_down)], out);
     append_whole(neither, out);
-    for (const double number : {0.0, 0.0, std::numeric_limits<double>::infinity(), dist < 0 ? nan : dist, 0.0}) out.push(number);
+    for (const double number : {0.0, 0.0, std::numeric_limits<double>::infinity(), dist < 0 ? nan : dist, variances_.range})
+        out.push(number);
 }
 
 }    // namespace anogate

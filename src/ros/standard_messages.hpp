@@ -53,6 +53,27 @@ struct StandardRow {
 };
 const StandardRow& standard_row(StandardTopic topic);
 
+/// Variances of measurements, in the square of the unit of the message; 0: unknown.
+struct Variances {
+    double orientation = 0;            // rad², of each axis, as the next four
+    double angular_velocity = 0;       // (rad/s)²
+    double linear_acceleration = 0;    // (m/s²)²
+    double position = 0;               // m², of `odometry`
+    double velocity = 0;               // (m/s)², of `odometry`
+    double magnetic_field = 0;         // T²
+    double temperature = 0;            // °C²
+    double range = 0;                  // m²
+    double fix = 0;                    // m², horizontal; known only together with the next one
+    double fix_altitude = 0;           // m²
+};
+
+/// As in sensor_msgs: all zeros mean an unknown covariance, -1 in the first element that the value is missing.
+template <std::size_t Size>
+struct Covariance {
+    std::array<std::uint8_t, Size * sizeof(double)> bytes{};
+    constexpr void set(std::size_t i, double value) noexcept { ano::store(bytes.data() + i * sizeof value, value); }
+};
+
 /// The messages of one device on one link.
 class StandardMessages {
 public:
@@ -76,6 +97,9 @@ public:
 
     /// The signs of its Euler angles, from the next frame on.
     void set_attitude(ano::EulerSigns signs) noexcept { signs_ = signs; }
+
+    /// Of all following messages; unknown before.
+    void set_variances(const Variances& variances) noexcept;
 
 private:
     template <class T>
@@ -108,6 +132,10 @@ private:
     std::array<std::string, 6> range_frames_;
 
     ano::EulerSigns signs_{};
+    Variances variances_;
+    Covariance<9> orientation_covariance_{}, rates_covariance_{}, acceleration_covariance_{}, field_covariance_{},
+        fix_covariance_{};
+    Covariance<36> pose_covariance_{}, twist_covariance_{}, twist_without_rates_{};
     Heard<Rotation> by_quaternion_, by_euler_;
     Heard<Vector> velocity_, rates_;
 

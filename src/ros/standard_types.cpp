@@ -19,6 +19,9 @@ RosField one(const RosMessage& message, const char* name) {
 RosField one(RosType type, const char* name, std::vector<RosConstant> constants = {}) {
     return {.type = type, .name = name, .constants = std::move(constants)};
 }
+RosField list_of(const RosMessage& message, const char* name) {
+    return {.type = RosType::message, .name = name, .shape = Shape::sequence, .message = &message};
+}
 RosMessage made_of(const char* package, const char* name, std::vector<RosField> fields) {
     return {.package = package, .name = name, .comment = {}, .fields = std::move(fields)};
 }
@@ -93,20 +96,29 @@ struct Definitions {
                                            {"FLOAT32", 7},
                                            {"FLOAT64", 8}}),
                                       one(uint32, "count")});
-    RosMessage point_cloud = made_of(
-        "sensor_msgs", "PointCloud2",
-        {one(header, "header"),
-         one(uint32, "height"),
-         one(uint32, "width"),
-         {.type = RosType::message, .name = "fields", .shape = Shape::sequence, .message = &point_field},
-         one(boolean, "is_bigendian"),
-         one(uint32, "point_step"),
-         one(uint32, "row_step"),
-         sequence(uint8, "data"),
-         one(boolean, "is_dense")});
+    RosMessage point_cloud = made_of("sensor_msgs", "PointCloud2",
+                                     {one(header, "header"), one(uint32, "height"), one(uint32, "width"),
+                                      list_of(point_field, "fields"), one(boolean, "is_bigendian"), one(uint32, "point_step"),
+                                      one(uint32, "row_step"), sequence(uint8, "data"), one(boolean, "is_dense")});
     RosMessage image = made_of("sensor_msgs", "Image",
                                {one(header, "header"), one(uint32, "height"), one(uint32, "width"), one(text, "encoding"),
                                 one(uint8, "is_bigendian"), one(uint32, "step"), sequence(uint8, "data")});
+    RosMessage joy = made_of("sensor_msgs", "Joy",
+                             {one(header, "header"), sequence(float32, "axes"), sequence(int32, "buttons")});
+    RosMessage string = made_of("std_msgs", "String", {one(text, "data")});
+    RosMessage log = made_of("rcl_interfaces", "Log",
+                             {one(time, "stamp"), one(uint8, "level"), one(text, "name"), one(text, "msg"), one(text, "file"),
+                              one(text, "function"), one(uint32, "line")});
+    RosMessage key_value = made_of("diagnostic_msgs", "KeyValue", {one(text, "key"), one(text, "value")});
+    RosMessage diagnostic_status = made_of(
+        "diagnostic_msgs", "DiagnosticStatus",
+        {one(byte, "level"), one(text, "name"), one(text, "message"), one(text, "hardware_id"), list_of(key_value, "values")});
+    RosMessage diagnostic_array = made_of("diagnostic_msgs", "DiagnosticArray",
+                                          {one(header, "header"), list_of(diagnostic_status, "status")});
+    RosMessage transform = made_of("geometry_msgs", "Transform", {one(vector3, "translation"), one(quaternion, "rotation")});
+    RosMessage transform_stamped = made_of("geometry_msgs", "TransformStamped",
+                                           {one(header, "header"), one(text, "child_frame_id"), one(transform, "transform")});
+    RosMessage tf_message = made_of("tf2_msgs", "TFMessage", {list_of(transform_stamped, "transforms")});
     RosMessage battery_state = made_of("sensor_msgs", "BatteryState", battery_fields());
 
     std::vector<RosField> battery_fields() const {
@@ -137,9 +149,26 @@ struct Definitions {
 
 const StandardTypes& standard_types() {
     static const Definitions d;
-    static const StandardTypes types{&d.imu,           &d.magnetic_field, &d.temperature,        &d.nav_sat_fix,
-                                     &d.battery_state, &d.range,          &d.quaternion_stamped, &d.vector3_stamped,
-                                     &d.point_stamped, &d.odometry,       &d.point_cloud,        &d.image};
+    static const StandardTypes types{
+        .imu = &d.imu,
+        .magnetic_field = &d.magnetic_field,
+        .temperature = &d.temperature,
+        .nav_sat_fix = &d.nav_sat_fix,
+        .battery_state = &d.battery_state,
+        .range = &d.range,
+        .quaternion_stamped = &d.quaternion_stamped,
+        .vector3_stamped = &d.vector3_stamped,
+        .point_stamped = &d.point_stamped,
+        .odometry = &d.odometry,
+        .point_cloud = &d.point_cloud,
+        .image = &d.image,
+        .joy = &d.joy,
+        .twist = &d.twist,
+        .string = &d.string,
+        .log = &d.log,
+        .diagnostic_array = &d.diagnostic_array,
+        .tf_message = &d.tf_message,
+    };
     return types;
 }
 

@@ -7,7 +7,8 @@ namespace anogate {
 /// Valid as long as the program runs.
 struct StandardTypes {
     const RosMessage *imu, *magnetic_field, *temperature, *nav_sat_fix, *battery_state, *range, *quaternion_stamped,
-        *vector3_stamped, *point_stamped, *odometry, *point_cloud, *image;
+        *vector3_stamped, *point_stamped, *odometry, *point_cloud, *image, *joy, *twist, *string, *log, *diagnostic_array,
+        *tf_message;
 };
 const StandardTypes& standard_types();
 

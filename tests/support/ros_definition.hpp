@@ -31,8 +31,8 @@ struct RosDefinition {
     std::map<std::string, std::int64_t> constants;      // of the message itself
 
     static bool is_primitive(const std::string& type) {
-        static const std::set<std::string> all{"bool",   "int8",  "uint8",  "int16",   "uint16",  "int32",
-                                               "uint32", "int64", "uint64", "float32", "float64", "string"};
+        static const std::set<std::string> all{"bool",  "int8",   "uint8",   "int16",   "uint16", "int32", "uint32",
+                                               "int64", "uint64", "float32", "float64", "string", "byte"};
         return all.contains(type);
     }
 
@@ -108,7 +108,7 @@ private:
         const auto real = [](double value) -> ano::Json { return std::isnan(value) ? ano::Json{} : ano::Json(value); };
         if (type == "bool") return reader.template number<std::uint8_t>() != 0;
         if (type == "int8") return reader.template number<std::int8_t>();
-        if (type == "uint8") return reader.template number<std::uint8_t>();
+        if (type == "uint8" || type == "byte") return reader.template number<std::uint8_t>();
         if (type == "int16") return reader.template number<std::int16_t>();
         if (type == "uint16") return reader.template number<std::uint16_t>();
         if (type == "int32") return reader.template number<std::int32_t>();
