@@ -1,9 +1,13 @@
-# The Debian packages anogate and libano-dev; tools/package sets ANOGATE_PACKAGE to the folder that holds what it wrote for them:
+# The Debian packages anogate, libano-dev and, where Fast DDS is, anogate-ros2; tools/package sets ANOGATE_PACKAGE to the folder that holds what it wrote for them:
 # version, changelog and sbom.spdx.json.
 file(READ ${ANOGATE_PACKAGE}/version package_version)
 string(STRIP "${package_version}" package_version)
 
-foreach(package anogate libano-dev)
+set(packages anogate libano-dev)
+if(TARGET anogate-ros2)
+  list(APPEND packages anogate-ros2)
+endif()
+foreach(package ${packages})
   install(FILES ${PROJECT_SOURCE_DIR}/tools/packaging/copyright ${ANOGATE_PACKAGE}/changelog.gz
     DESTINATION share/doc/${package} COMPONENT ${package})
 endforeach()
@@ -16,12 +20,18 @@ install(CODE [[
   endforeach()
 ]] COMPONENT anogate)
 
+if(TARGET anogate-ros2)
+  install(CODE [[
+    execute_process(COMMAND gzip -9nf "$ENV{DESTDIR}${CMAKE_INSTALL_PREFIX}/share/man/man8/anogate-ros2.8" COMMAND_ERROR_IS_FATAL ANY)
+  ]] COMPONENT anogate-ros2)
+endif()
+
 set(CPACK_GENERATOR DEB)
 set(CPACK_OUTPUT_FILE_PREFIX ${ANOGATE_PACKAGE})
 set(CPACK_SET_DESTDIR ON)
 set(CPACK_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
-set(CPACK_COMPONENTS_ALL anogate libano-dev)
+set(CPACK_COMPONENTS_ALL ${packages})
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_COMPONENTS_GROUPING IGNORE)
 set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS
@@ -64,4 +74,17 @@ set(CPACK_COMPONENT_LIBANO-DEV_DESCRIPTION "library for the ANO V8 protocol
 Finds, decodes and encodes ANO V8 frames, with all messages by name. Written
 in C++20, requires only the standard library. Contains a static library,
 headers and the files for find_package(ano) in CMake.")
+# Of Debian 12 alone: the interface of Fast DDS differs in every release. The control socket belongs to the group of anogate's package.
+set(CPACK_DEBIAN_ANOGATE-ROS2_PACKAGE_NAME anogate-ros2)
+set(CPACK_DEBIAN_ANOGATE-ROS2_PACKAGE_SECTION comm)
+set(CPACK_DEBIAN_ANOGATE-ROS2_PACKAGE_DEPENDS "anogate, libc6 (>= 2.35), libfastrtps2.9, libgcc-s1 (>= 3.4), \
+libssl3 (>= 3.0.0), libstdc++6 (>= 12)")
+set(CPACK_DEBIAN_ANOGATE-ROS2_PACKAGE_CONTROL_EXTRA ${PROJECT_SOURCE_DIR}/tools/packaging/ros2/postinst
+  ${PROJECT_SOURCE_DIR}/tools/packaging/ros2/prerm ${PROJECT_SOURCE_DIR}/tools/packaging/ros2/postrm)
+set(CPACK_COMPONENT_ANOGATE-ROS2_DESCRIPTION "ROS 2 topics of the devices of anogate
+Publishes the messages of ANO V8 devices as standard ROS 2 messages over DDS,
+and passes velocities, sticks and commands of ROS 2 nodes to them if the
+configuration allows it. ROS 2 itself is not needed.
+.
+Includes a systemd service that must be enabled before it starts.")
 include(CPack)

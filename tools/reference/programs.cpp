@@ -7,6 +7,7 @@
 #include <config/link_kind.hpp>
 #include <daemon/command_line.hpp>
 #include <link/kinds.hpp>
+#include <ros2/command_line.hpp>
 
 #include <algorithm>
 #include <cctype>
@@ -76,6 +77,15 @@ Program anoctl_program() {
         program.commands.push_back(std::move(command));
     }
     return program;
+}
+
+Program anogate_ros2_program() {
+    Command command{"", "Publish the messages of a gateway's devices as ROS 2 topics", {}, {}};
+    for (const anogate::Ros2Option& option : anogate::ros2_option_texts()) {
+        const bool is_help = std::find(option.names.begin(), option.names.end(), "--help") != option.names.end();
+        command.options.push_back({option.names, option.value, is_help ? help_text : option.help});
+    }
+    return {"anogate-ros2", {command}};
 }
 
 std::vector<std::string> message_names() {

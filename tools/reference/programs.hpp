@@ -1,4 +1,4 @@
-// The command lines of anogated and anoctl as data, from the tables that --help also uses.
+// The command lines of the programs as data, from the tables that --help also uses.
 #pragma once
 #include <string>
 #include <string_view>
@@ -34,6 +34,7 @@ struct Program {
 
 Program anogated_program();
 Program anoctl_program();
+Program anogate_ros2_program();
 
 std::vector<std::string> message_names();
 /// The names that belong to a single address: "host", "flight_controller", …

@@ -1,0 +1,41 @@
+# Completions of bash for anogate-ros2. Generated from its tables of options and commands.
+_anogate-ros2_words() { COMPREPLY=($(compgen -W "$1" -- "$cur")); }
+_anogate-ros2_files() { compopt -o filenames 2>/dev/null; COMPREPLY=($(compgen -f -- "$cur")); }
+_anogate-ros2_ports() { COMPREPLY=($(compgen -G "${cur:-/dev/}*" | grep -E '^/dev/(tty(USB|ACM|AMA|S)|serial|rfcomm)')); }
+_anogate-ros2_messages() { COMPREPLY=($(compgen -W 'altitude attitude_control check command command_info command_query compass device_info euler firmware flexible1 flexible10 flexible2 flexible3 flexible4 flexible5 flexible6 flexible7 flexible8 flexible9 general_position general_velocity gps image image_feature inertial ip_tunnel ip_tunnel_short log log_value mode module_status optical_flow parameter_command parameter_info parameter_value position power pwm quaternion ranging raw_flow realtime_control remote_control return_home rgb special target_attitude target_velocity velocity waypoint waypoint_read wind' -- "$cur")); }
+# A colon ends a word of bash: behind one, the address of the link.
+_anogate-ros2_links() {
+    local kind=$cur
+    if [[ $cur == *:* ]]; then
+        kind=${cur%%:*} cur=${cur#*:}
+    elif [[ $prev == : ]]; then
+        kind=${COMP_WORDS[COMP_CWORD - 2]}
+    elif [[ $cur == : ]]; then
+        kind=$prev cur=
+    else
+        compopt -o nospace 2>/dev/null
+        _anogate-ros2_words 'serial: hid: udp-listen: udp: tcp: tcp-listen: tls: tls-listen: can: pty: sim: replay:'
+        return
+    fi
+    case $kind in
+        serial) _anogate-ros2_ports ;;
+        pty) _anogate-ros2_files ;;
+        can) COMPREPLY=($(compgen -W "$(ls /sys/class/net 2>/dev/null | grep can)" -- "$cur")) ;;
+    esac
+}
+_anogate-ros2() {
+    local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD - 1]} command= options= operands=:
+    COMPREPLY=()
+    case "$command $prev" in
+        ' -c') _anogate-ros2_files; return ;;
+        ' --config') _anogate-ros2_files; return ;;
+        ' --control') _anogate-ros2_files; return ;;
+        ' --domain') :; return ;;
+        ' --interface') _anogate-ros2_messages; return ;;
+    esac
+    case $command in
+        '') options='-h --help -V --version -c --config --control --domain --interface --list --check --print-config'; operands=':' ;;
+    esac
+    if [[ $cur == -* ]]; then _anogate-ros2_words "$options"; else eval "$operands"; fi
+}
+complete -F _anogate-ros2 anogate-ros2
