@@ -51,10 +51,12 @@ set(CPACK_DEBIAN_ANOGATE_PACKAGE_NAME anogate)
 set(CPACK_DEBIAN_ANOGATE_PACKAGE_SECTION comm)
 # Listed here because dpkg-shlibdeps names only the packages of this system: check-portable verifies libraries and versions. 32-bit Debian
 # 13 has libssl3t64 alone; its functions with time_t, which differ there, are not used.
-set(CPACK_DEBIAN_ANOGATE_PACKAGE_DEPENDS "libc6 (>= 2.35), libgcc-s1 (>= 3.4), libqrencode4 (>= 3.2.0), \
-libssl3 (>= 3.0.0) | libssl3t64 (>= 3.0.0), libstdc++6 (>= 12), systemd | systemd-standalone-sysusers | systemd-sysusers")
-if(ANOGATE_PACKAGE_RELEASE STREQUAL "this")    # of a newer release: its own versions, in addition
+set(CPACK_DEBIAN_ANOGATE_PACKAGE_DEPENDS "systemd | systemd-standalone-sysusers | systemd-sysusers")
+if(ANOGATE_PACKAGE_RELEASE STREQUAL "this")
   set(CPACK_DEBIAN_ANOGATE_PACKAGE_SHLIBDEPS ON)
+else()
+  string(PREPEND CPACK_DEBIAN_ANOGATE_PACKAGE_DEPENDS "libc6 (>= 2.35), libgcc-s1 (>= 3.4), libqrencode4 (>= 3.2.0), \
+libssl3 (>= 3.0.0) | libssl3t64 (>= 3.0.0), libstdc++6 (>= 12), ")
 endif()
 set(CPACK_DEBIAN_ANOGATE_PACKAGE_SUGGESTS "can-utils, gpiod, wireguard-tools")
 set(CPACK_DEBIAN_ANOGATE_PACKAGE_CONTROL_EXTRA
