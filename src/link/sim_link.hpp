@@ -12,7 +12,7 @@
 
 namespace anogate {
 
-class SimLink final : public Link, private RawPort {
+class SimLink final : public Link, public RawPort {
 public:
     SimLink(LinkId id, LinkSettings settings, const LinkContext& context);
     void start() override;
