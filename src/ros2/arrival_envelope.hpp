@@ -18,19 +18,21 @@ public:
     std::uint64_t stamp(std::uint64_t arrival_ns) noexcept;
 
 private:
-    double time(std::size_t i) const noexcept;    // of the i-th arrival in the window, relative to the last one
-    double slope() const noexcept;
-    double mean_gap(std::size_t last) const noexcept;
+    using Times = std::array<double, window>;    // of the arrivals, in ns relative to the last one
+
+    void add(std::uint64_t arrival_ns) noexcept;
+    double slope(const Times& times) const noexcept;
     /// How late the last arrival is, by the line of this period below the arrivals from the i-th on.
-    double delay_from(std::size_t i) const noexcept;
-    double mean_delay(double delay_of_last) const noexcept;
-    void shorten() noexcept;
+    double delay_from(std::size_t i, const Times& times) const noexcept;
+    double mean_delay(double delay_of_last, const Times& times) const noexcept;
+    void shorten(Times& times) noexcept;
     std::uint64_t estimate() noexcept;
 
     std::array<std::uint64_t, window> arrivals_{};
-    std::size_t next_ = 0, count_ = 0;    // next_: where the next arrival is stored
-    double period_ = 0;                   // ns
-    bool is_period_known_ = false;        // from a whole window
+    std::size_t count_ = 0;
+    std::size_t since_slope_ = 0;     // arrivals
+    double period_ = 0;               // ns
+    bool is_period_known_ = false;    // from a whole window
     std::uint64_t stamp_ns_ = 0;
 };
 
