@@ -31,7 +31,7 @@ _anogate-ros2() {
         ' --config') _anogate-ros2_files; return ;;
         ' --control') _anogate-ros2_files; return ;;
         ' --domain') :; return ;;
-        ' --interface') _anogate-ros2_messages; return ;;
+        ' --interface') :; return ;;
     esac
     case $command in
         '') options='-h --help -V --version -c --config --control --domain --interface --list --check --print-config'; operands=':' ;;
