@@ -1,5 +1,7 @@
 // The calibration of an accelerometer from samples of its six faces.
 #pragma once
+#include <ano/fault.hpp>
+
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -31,7 +33,7 @@ struct AccelerometerCalibration {
 template <class Calibration>
 struct Fit {
     std::optional<Calibration> calibration;    // std::nullopt: rejected, see `wrong`
-    std::string wrong{};
+    Fault wrong{};
     double before = 0, after = 0;    // the residuals with the old values and with the new ones
 };
 

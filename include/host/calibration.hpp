@@ -112,9 +112,9 @@ public:
     /// Only in Step::keep: replaces the values to be written back, if those that were read are left over from an unfinished
     /// calibration.
     void set_old_values(CalibrationValues values);
-    /// `refusal` is called directly before the new values are written. It returns the reason why that is not allowed, as text;
-    /// empty: it is allowed.
-    void ask_before_writing(std::function<std::string()> refusal) { refusal_ = std::move(refusal); }
+    /// `refusal` is called directly before the new values are written. It returns the reason why that is not allowed; empty: it is
+    /// allowed.
+    void ask_before_writing(std::function<Fault()> refusal) { refusal_ = std::move(refusal); }
     /// To be called with every frame from the device's side, in addition to Device::take().
     void receive(FrameView frame, TimePoint now);
     /// When look() must be called, because a time-out ends; std::nullopt: not in this step.
@@ -147,7 +147,7 @@ public:
     bool keeps_error_matrix() const noexcept { return faces_.measure() == Measure::length; }
     /// How often the device restarted while it was turned, and the sign of the last one.
     unsigned restarts() const noexcept { return restarts_; }
-    const std::string& last_restart() const noexcept { return last_restart_; }
+    const Fault& last_restart() const noexcept { return last_restart_; }
     /// The face on which Step::verify measures. It is another face than before if one face alone proves nothing.
     std::optional<Face> face_to_verify() const noexcept {
         return accelerometer_check_ ? std::optional{accelerometer_check_->face()} : std::nullopt;
@@ -168,7 +168,7 @@ private:
     void confirmed(TimePoint now);
     void read_values(void (Calibration::*then)(TimePoint), TimePoint now);
     bool is_restarted(TimePoint now);
-    void restarted(std::string sign, TimePoint now);
+    void restarted(Fault sign, TimePoint now);
     void add_inertial(const Vector& acceleration, const Vector& rotation, TimePoint now);
     void add_field(const Vector& field, TimePoint now);
     bool is_gone_on(TimePoint now);
@@ -218,7 +218,7 @@ private:
     std::optional<double> proof_;
     unsigned restarts_ = 0;
     unsigned silences_ = 0;    // of those, in a row directly after the clear
-    std::string last_restart_;
+    Fault last_restart_;
     std::optional<AccelerometerCheck> accelerometer_check_;
     std::vector<AccelerometerCheck> further_checks_, verified_faces_;    // on other faces than this one
     std::optional<CompassCheck> compass_check_;
@@ -228,7 +228,7 @@ private:
     Vector acceleration_sum_{}, rotation_sum_{};    // of the samples since then
     unsigned summed_ = 0;
     std::optional<std::pair<double, double>> residuals_;
-    std::function<std::string()> refusal_;
+    std::function<Fault()> refusal_;
     End why_;    // the result when the old values are written back
 };
 

@@ -81,7 +81,7 @@ private:
     void gathered(TimePoint now) override { ask(how_many(ask_count_again), now); }
     Request probe() override { return how_many(0); }
     void step_ended(const Ended& ended, TimePoint now) override;
-    std::string_view subject() const noexcept override { return "commands"; }
+    Fault subject() const override { return {"commands"}; }
 
     std::optional<ValueType7> seven_;
     CommandCache* cache_;
@@ -142,11 +142,11 @@ public:
     void ended(const Ended& ended, TimePoint now) override;
 
 private:
-    std::string order() const override;
+    Fault order() const override;
     /// Its name; without one, order().
-    std::string called() const { return command_.name.empty() ? order() : command_.name; }
+    Fault called() const { return command_.name.empty() ? order() : Fault{"other", command_.name}; }
     /// Appends the values to `out`. Returns the reason why they do not fit, as a clause; std::nullopt: they fit.
-    std::optional<std::string> pack(std::vector<std::uint8_t>& out) const;
+    Fault pack(std::vector<std::uint8_t>& out) const;
 
     CommandInfo command_;
     std::vector<AnyValue> values_;

@@ -88,7 +88,7 @@ public:
     /// How long the device has not answered; 0 before the info is accepted.
     Duration silent_for(TimePoint now) const noexcept { return erasing_ ? now - answered_at_ : Duration{}; }
     /// Deviations from the usual course, as clauses; empty: none.
-    const std::string& remark() const noexcept { return remark_; }
+    const Fault& remark() const noexcept { return remark_; }
     std::size_t frame_len() const noexcept { return options_.frame_len; }
     /// Since the first frame; 0 before it.
     double bytes_a_second(TimePoint now) const noexcept;
@@ -101,9 +101,7 @@ private:
     enum Step : std::uint32_t { identify, describe, erase, send_frame, check, probe };
     enum class Purpose : std::uint8_t { begin, shorten, begin_again, begin_after_check };    // of an info
 
-    std::string_view half_done() const noexcept override {
-        return erasing_ ? "; it is left in its boot loader; start again" : "";
-    }
+    Fault half_done() const override { return erasing_ ? Fault{"left_in_loader"} : Fault{}; }
     void ask_info(Purpose purpose, std::size_t frame_len, TimePoint now);
     void identified(const Ended& ended, TimePoint now);
     void send_info(TimePoint now);
@@ -121,13 +119,12 @@ private:
     bool is_hard() noexcept;
     Patience patience_of_frame() const noexcept;
     void measure(const Evidence& evidence, bool answered, TimePoint now);
-    void begin_again(const std::string& why, Ending or_else, const Evidence& evidence, TimePoint now);
+    void begin_again(const Fault& why, Ending or_else, const Evidence& evidence, TimePoint now);
     void ask_frame(TimePoint now);
     void ask_order(Step step, TimePoint now);
-    std::string silence(const Evidence& evidence) const;
+    Fault silence(const Evidence& evidence) const;
     std::size_t shorter_len() const noexcept;
-    void note(const std::string& clause) { remark_ += (remark_.empty() ? "" : "; ") + clause; }
-    void abandon(Ending ending, const std::string& what, const Evidence& evidence, TimePoint now);
+    void abandon(Ending ending, Fault fault, const Evidence& evidence, TimePoint now);
     std::size_t frames_of(std::size_t len) const noexcept { return (image_.bytes.size() + len - 1) / len; }
     std::size_t frames() const noexcept { return frames_of(options_.frame_len); }
 
@@ -152,7 +149,7 @@ private:
     bool may_shorten_ = true;
     unsigned restarts_ = 0;
     std::optional<std::uint32_t> lost_frame_;    // the reason to start again
-    std::string lost_because_;
+    Fault lost_because_;
     Ending lost_ending_ = Ending::timeout;
     std::size_t repeats_ = 0;
     bool erasing_ = false;
@@ -161,7 +158,8 @@ private:
     std::optional<Duration> frame_wait_;    // for an answer to a frame; std::nullopt: not measured yet
     TimePoint asked_at_{};                  // for this frame
     unsigned repeated_in_a_row_ = 0;        // frames
-    std::string remark_, odd_reply_;
+    Fault remark_;
+    std::string odd_reply_;
     std::optional<TimePoint> frames_since_;
 };
 

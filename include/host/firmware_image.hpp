@@ -1,6 +1,7 @@
 // A file of firmware: .bia with a header, or .bin without (protocol text, section 4).
 #pragma once
 #include <ano/crc16.hpp>
+#include <ano/fault.hpp>
 #include <host/device.hpp>
 
 #include <cstddef>
@@ -57,14 +58,14 @@ struct FirmwareImage {
 
     /// True if the image is for any hardware: its hardware fields are 0.
     bool is_for_any_hardware() const noexcept { return hw_type == 0 && hw_ver_min == 0 && hw_ver_max == 0; }
-    /// Why the image is not for this device, as a clause; std::nullopt if it is.
-    std::optional<std::string> misfit(const DeviceInfo& device) const;
+    /// Why the image is not for this device; empty if it is.
+    Fault misfit(const DeviceInfo& device) const;
 };
 
 /// The content of a file, or the reason why it is not firmware, as a clause.
 struct FirmwareFile {
     std::optional<FirmwareImage> image;
-    std::string wrong;
+    Fault wrong;
 };
 /// `crc` is used for a .bin, which is read completely for that; a .bia has its CRC in the header.
 FirmwareFile read_firmware(const FirmwareBytes& file, const Crc16& crc = usual_crc16);

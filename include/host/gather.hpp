@@ -1,5 +1,6 @@
 // Asks a device many questions of one kind, in any order, and repeats those without an answer.
 #pragma once
+#include <ano/fault.hpp>
 #include <host/task.hpp>
 
 #include <cstddef>
@@ -42,7 +43,7 @@ protected:
     /// Another request of the task, with a tag of first_step or more, ended.
     virtual void step_ended(const Ended& ended, TimePoint now) = 0;
     /// The subject of the questions: "descriptions of parameters".
-    virtual std::string_view subject() const noexcept = 0;
+    virtual Fault subject() const = 0;
 
 private:
     static constexpr std::size_t max_asked = 2 * Window::max_size;    // enough to keep the window full

@@ -46,7 +46,7 @@ public:
         same,          // not written: the device has this value
         written,       // written and read back
         clamped,       // stored as another value
-        failed,        // see `what`
+        failed,        // see `fault`
         undone,        // the old value is restored and was read back
         not_undone,    // it may be written, and the old value could not be restored
     };
@@ -54,11 +54,11 @@ public:
         std::string name;
         AnyValue wanted;
         State state = State::waiting;
-        std::string what{};                   // why it failed, as a clause
+        Fault fault{};                        // why it failed
         std::optional<AnyValue> before{};     // as read first
         std::optional<AnyValue> stored{};     // as read last
         bool acknowledged = false;            // for `written` and `clamped`; if false, only reading back showed it
-        bool wrongly_acknowledged = false;    // with wrong check bytes; `what` says so
+        bool wrongly_acknowledged = false;    // with wrong check bytes; `fault` says so
     };
 
     ParameterApply(Device& device, DescriptionCache* cache, const std::vector<std::pair<std::string, AnyValue>>& values,
@@ -80,10 +80,11 @@ private:
     bool check(TimePoint now);
     Found found(std::size_t row) const;
     bool is_same(const AnyValue& wanted, const AnyValue& has, const ParameterInfo& info) const;
-    std::string fault_of(const Row& row, const Found& found) const;
-    End failure(const char* operation) const;
+    Fault fault_of(const Row& row, const Found& found) const;
+    using SeveralId = FaultId<std::ptrdiff_t, std::size_t, Fault>;
+    End failure(SeveralId if_several) const;
     bool is_restarted() const noexcept;
-    std::string format_restart() const;
+    Fault restart() const;
     void next(TimePoint now);
     void row_ended(TimePoint now);
     void fail(const End& end, TimePoint now);

@@ -51,7 +51,7 @@ std::optional<ParameterInfo> parameter_info_in(FrameView frame);
 std::optional<AnyValue> value_of(Bytes bytes, const ParameterInfo& info);
 /// A scaled value must be a multiple of 1 / mul, within a thousandth of that.
 Misfit append(std::vector<std::uint8_t>& out, const AnyValue& value, const ParameterInfo& info);
-std::string format_misfit(Misfit misfit, const ParameterInfo& info);
+Misfit with_range(const Misfit& misfit, const ParameterInfo& info);
 bool same_bytes(const AnyValue& a, const AnyValue& b, const ParameterInfo& info);
 /// The nearest number that append() accepts, for a number within the range; other values are returned unchanged.
 AnyValue nearest_value(const AnyValue& value, const ParameterInfo& info);
@@ -60,7 +60,7 @@ AnyValue nearest_value(const AnyValue& value, const ParameterInfo& info);
 std::string unreadable_value(Bytes value, const ParameterInfo& info);
 
 /// Why a number may not be written as a value of `size` bytes if the device sent `had` bytes, as a clause; empty: it may.
-std::string length_misfit(std::size_t size, std::size_t had, const ParameterInfo& info);
+Misfit length_misfit(std::size_t size, std::size_t had, const ParameterInfo& info);
 
 /// Determines the layout of a device from all its descriptions, since a single one may look like another layout.
 class LayoutVotes {

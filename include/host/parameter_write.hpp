@@ -23,10 +23,10 @@ struct WriteLimits {
 };
 
 /// Why a text of `size` bytes may not replace one of `had` bytes, as a clause that follows the text; empty: it may.
-std::string text_misfit(std::size_t size, std::size_t had, const WriteLimits& limits);
+Misfit text_misfit(std::size_t size, std::size_t had, const WriteLimits& limits);
 
 /// Why `value` may not be written to a parameter whose device states a range, as a clause that follows the value; empty: it may.
-std::string range_misfit(const AnyValue& value, const ParameterInfo& info, const WriteLimits& limits);
+Misfit range_misfit(const AnyValue& value, const ParameterInfo& info, const WriteLimits& limits);
 
 /// The old value is read first: by default a text may not be longer than the old one, and the old value shows whether the device
 /// clamped the new one or stored nothing. Then the new value is written, acknowledged and read back; a different value is read
@@ -74,7 +74,7 @@ private:
 
     void not_meant(const Ended& ended, TimePoint now) override;
     void was_silent(const Evidence& evidence);
-    std::string order() const override { return "write of " + info_.name; }
+    Fault order() const override { return {"write_of", info_.name}; }
     void go_on(TimePoint now);
     void ask_description(TimePoint now);
     void described(const Ended& ended, TimePoint now);
@@ -92,7 +92,7 @@ private:
     bool same(const Wire& a, const Wire& b) const;
     bool is_as_written() const;
     std::optional<AnyValue> decoded(const Wire& bytes) const;
-    void refuse(const std::string& why, TimePoint now);
+    void refuse(const Misfit& why, TimePoint now);
 
     ParameterInfo info_;
     AnyValue value_;
@@ -134,7 +134,7 @@ public:
     void cancel(TimePoint now) override;
 
 private:
-    std::string order() const override;
+    Fault order() const override;
 
     Action action_;
 };

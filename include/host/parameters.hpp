@@ -92,7 +92,7 @@ private:
     void gathered(TimePoint now) override;
     Request probe() override { return question::parameter_count(0); }
     void step_ended(const Ended& ended, TimePoint now) override;
-    std::string_view subject() const noexcept override { return "parameters"; }
+    Fault subject() const override { return {"parameters"}; }
 
     void start(TimePoint now);
     void counted(TimePoint now);

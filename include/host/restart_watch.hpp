@@ -1,5 +1,6 @@
 // Detects that a device has restarted, from the frames that it sends or does not send.
 #pragma once
+#include <ano/fault.hpp>
 #include <host/device.hpp>
 
 #include <chrono>
@@ -23,8 +24,8 @@ public:
 
     /// To be called with each sample.
     void sampled(TimePoint now);
-    /// The first sign, as a clause; std::nullopt: none.
-    std::optional<std::string> sign(const Device& device) const;
+    /// The first sign, as a clause; empty: none.
+    Fault sign(const Device& device) const;
     /// If the sign is a gap that began within max_gap of the beginning: its length, as text; otherwise empty.
     std::string silence_at_begin() const;
     /// The time of the last sample, or of the beginning.

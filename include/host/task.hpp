@@ -1,5 +1,6 @@
 // An operation on a device: progress, cancel, and a result.
 #pragma once
+#include <ano/fault.hpp>
 #include <host/device.hpp>
 
 #include <array>
@@ -31,7 +32,7 @@ constexpr std::string_view name_of(Ending ending) noexcept { return ending_names
 
 struct End {
     Ending ending = Ending::done;
-    std::string what;    // for people: a clause; empty if done and there is nothing to add
+    Fault fault;    // the reason; if done: a remark, or empty
     Evidence evidence{};
 };
 
@@ -91,33 +92,34 @@ protected:
     bool finds_another() const noexcept { return identity_ != device_.identity(); }
     /// To be called before finish(), where a part of the task found another device.
     void be_of_another() noexcept { is_of_another_ = true; }
-    std::string format_another_device() const { return hex_of(device_.address()) + " became another device in the meantime"; }
+    Fault another_device() const { return {"another_device", hex_of(device_.address())}; }
     /// Ends because another device has the address. `may_be_done`: the order that the previous device may have carried out, as a
     /// noun, and `left`: its state, as a clause; empty: nothing to report.
-    void finish_another(std::string_view may_be_done, TimePoint now, std::string_view left = {});
+    void finish_another(Fault may_be_done, TimePoint now, Fault left = {});
     /// The acting request that the task sends, as a noun.
-    virtual std::string order() const { return {}; }
+    virtual Fault order() const { return {}; }
     /// A clause that follows the reason for giving up: the state in which the device is left.
-    virtual std::string_view half_done() const noexcept { return {}; }
+    virtual Fault half_done() const { return {}; }
     /// To be called before a request. True if it has taken longer than max_duration(): the task has ended.
     bool is_overdue(TimePoint now);
     /// Ends the task, unless it has ended; its requests are discarded.
     void finish(End end, TimePoint now);
     /// Ends without an answer to the question for `step`. `likely` is the probable reason if other frames of the device are
     /// received, as a clause.
-    void finish_silent(std::string_view step, const Evidence& evidence, TimePoint now, std::string_view likely = {});
+    void finish_silent(const Fault& step, const Evidence& evidence, TimePoint now, const Fault& likely = {});
     /// The same for the device info, which every device should answer.
-    void finish_without_info(std::string_view step, const Evidence& evidence, TimePoint now);
+    void finish_without_info(const Fault& step, const Evidence& evidence, TimePoint now);
     /// The same for an order, which was not acknowledged.
-    void finish_unacknowledged(std::string_view order, const Evidence& evidence, TimePoint now, std::string_view likely);
+    void finish_unacknowledged(const Fault& order, const Evidence& evidence, TimePoint now, const Fault& likely);
     /// If a port id acknowledged an order instead of the device: a clause about it; empty: the device acknowledged it.
-    static std::string format_port_answer(const Evidence& evidence);
+    static Fault port_answer(const Evidence& evidence);
     /// Ends in the same way as `other`.
     void finish_as(const Task& other, TimePoint now);
 
 private:
-    void finish_unanswered(const std::string& heard_but, std::string_view step, const Evidence& evidence, TimePoint now,
-                           std::string_view likely);
+    using UnansweredId = FaultId<std::string, Fault, unsigned>;
+    void finish_unanswered(UnansweredId if_heard, const Fault& step, const Evidence& evidence, TimePoint now,
+                           const Fault& likely);
 
     Device& device_;
     Identity identity_;

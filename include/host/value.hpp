@@ -1,5 +1,6 @@
 // The value of a parameter or of a command, as a number or a text, and as bytes.
 #pragma once
+#include <ano/fault.hpp>
 #include <ano/frame.hpp>
 #include <ano/reading.hpp>
 #include <ano/schema.hpp>
@@ -16,14 +17,14 @@ namespace ano::host {
 using AnyValue = std::variant<std::int64_t, std::uint64_t, double, std::string>;
 
 /// Why a value does not fit a type, as a clause that follows the value: "is not whole"; empty if it fits.
-using Misfit = std::string_view;
+using Misfit = Fault;
 
 /// Appends `value` in the form of `type` on the wire, never shorter than the type: a device would store check bytes in place of
 /// the missing ones. A text is appended unchanged. Nothing is appended if the value does not fit.
 Misfit append(std::vector<std::uint8_t>& out, const AnyValue& value, Type type);
 
-/// `misfit` as text, with the range of a number type: "is out of range, u8 is 0 to 255".
-std::string format_misfit(Misfit misfit, Type type);
+/// `misfit` with the range of a number type: "is out of range, u8 is 0 to 255".
+Misfit with_range(const Misfit& misfit, Type type);
 
 /// The value in `bytes`; std::nullopt if there are too few. append() restores the same bytes, even for a NaN. Text ends at its
 /// first NUL.

@@ -53,7 +53,7 @@ private:
     void gathered(TimePoint now) override { ask(how_many(ask_count_again), now); }
     Request probe() override { return how_many(0); }
     void step_ended(const Ended& ended, TimePoint now) override;
-    std::string_view subject() const noexcept override { return "waypoints"; }
+    Fault subject() const override { return {"waypoints"}; }
 
     std::vector<Waypoint> waypoints_;
 };
@@ -97,8 +97,8 @@ private:
     void finish_stored(TimePoint now);
     void look_again(TimePoint now);
     void looked(TimePoint now);
-    std::string order() const override { return "write of " + number(); }
-    std::string number() const { return "waypoint " + std::to_string(waypoints_[at_].num); }
+    Fault order() const override { return {"write_of", number()}; }
+    Fault number() const { return {"waypoint_number", waypoints_[at_].num}; }
 
     std::vector<Waypoint> waypoints_;
     std::vector<Waypoint> stored_;

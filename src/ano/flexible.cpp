@@ -7,7 +7,7 @@
 namespace ano {
 namespace {
 
-using Fault = FlexibleLayouts::Fault;
+using LayoutFault = FlexibleLayouts::Fault;
 
 bool is_allowed(Type type) noexcept { return type <= Type::i32 || type == Type::f32; }
 
@@ -45,12 +45,12 @@ bool are_read_alike(const std::optional<Field>& a, const std::optional<Field>& b
 }    // namespace
 
 FlexibleLayouts::Refusal FlexibleLayouts::add(const FlexibleSpec& spec) {
-    if (!is_flexible(spec.id)) return {Fault::id};
+    if (!is_flexible(spec.id)) return {LayoutFault::id};
     for (const Group& group : groups_)
         if (group.id == spec.id && group.source == spec.source && group.selector.has_value() == spec.when.has_value() &&
             group.with(spec.when.value_or(0)) != nullptr)
-            return {Fault::duplicate};
-    if (spec.fields.empty()) return {Fault::no_fields};
+            return {LayoutFault::duplicate};
+    if (spec.fields.empty()) return {LayoutFault::no_fields};
 
     FlexibleLayout layout;
     layout.id_ = spec.id;
@@ -60,10 +60,11 @@ FlexibleLayouts::Refusal FlexibleLayouts::add(const FlexibleSpec& spec) {
     for (std::size_t i = 0; i < spec.fields.size(); ++i) {
         const FlexibleField& given = spec.fields[i];
         const auto same_name = [&](const Field& f) { return f.name == given.name; };
-        if (!is_name(given.name) || std::any_of(layout.fields_.begin(), layout.fields_.end(), same_name)) return {Fault::name, i};
-        if (!is_allowed(given.type)) return {Fault::type, i};
-        if (given.scale == 0 || !std::isfinite(given.scale) || !std::isfinite(1 / given.scale)) return {Fault::scale, i};
-        if (given.count == 0) return {Fault::count, i};
+        if (!is_name(given.name) || std::any_of(layout.fields_.begin(), layout.fields_.end(), same_name))
+            return {LayoutFault::name, i};
+        if (!is_allowed(given.type)) return {LayoutFault::type, i};
+        if (given.scale == 0 || !std::isfinite(given.scale) || !std::isfinite(1 / given.scale)) return {LayoutFault::scale, i};
+        if (given.count == 0) return {LayoutFault::count, i};
 
         Field field;
         field.type = given.type;
@@ -74,12 +75,12 @@ FlexibleLayouts::Refusal FlexibleLayouts::add(const FlexibleSpec& spec) {
         field.name = layout.texts_.emplace_back(given.name);
         field.unit = layout.texts_.emplace_back(given.unit);
         size += field.size();
-        if (size > 65535) return {Fault::too_long, i};
+        if (size > 65535) return {LayoutFault::too_long, i};
         layout.fields_.push_back(field);
     }
     layout.size_ = static_cast<std::uint16_t>(size);
     if (spec.when) {
-        if (!may_select(layout.fields_.front(), *spec.when)) return {Fault::when};
+        if (!may_select(layout.fields_.front(), *spec.when)) return {LayoutFault::when};
         layout.fields_.front().selects = Only{*spec.when, *spec.when};
     }
     layout.place_ = layouts_.size();
@@ -145,18 +146,18 @@ std::vector<const FlexibleLayout*> FlexibleLayouts::layouts_for(std::uint8_t id,
     return found;
 }
 
-std::string_view to_string(Fault fault) noexcept {
+std::string_view to_string(LayoutFault fault) noexcept {
     switch (fault) {
-    case Fault::none: return "fine";
-    case Fault::id: return "a flexible message has an id from 0xF1 to 0xFA";
-    case Fault::duplicate: return "this id already has a layout for this source and value of 'when'";
-    case Fault::no_fields: return "a layout needs at least one field";
-    case Fault::name: return "a field needs a unique name without '=' and control characters";
-    case Fault::type: return "a field is one of u8 i8 u16 i16 u32 i32 f32";
-    case Fault::scale: return "a scale is a finite number that is not 0";
-    case Fault::count: return "a count is a number from 1 to 65535";
-    case Fault::when: return "'when' is a value of the first field, which is one u8, u16 or u32 without a scale";
-    case Fault::too_long: return "the fields are longer than the 65535 bytes of DATA";
+    case LayoutFault::none: return "fine";
+    case LayoutFault::id: return "a flexible message has an id from 0xF1 to 0xFA";
+    case LayoutFault::duplicate: return "this id already has a layout for this source and value of 'when'";
+    case LayoutFault::no_fields: return "a layout needs at least one field";
+    case LayoutFault::name: return "a field needs a unique name without '=' and control characters";
+    case LayoutFault::type: return "a field is one of u8 i8 u16 i16 u32 i32 f32";
+    case LayoutFault::scale: return "a scale is a finite number that is not 0";
+    case LayoutFault::count: return "a count is a number from 1 to 65535";
+    case LayoutFault::when: return "'when' is a value of the first field, which is one u8, u16 or u32 without a scale";
+    case LayoutFault::too_long: return "the fields are longer than the 65535 bytes of DATA";
     }
     return "";
 }

@@ -1,5 +1,6 @@
 // The interface of the host engine to its environment: sending, knowledge of the network, time.
 #pragma once
+#include <ano/fault.hpp>
 #include <ano/flexible.hpp>
 #include <ano/flush.hpp>
 #include <ano/frame.hpp>
@@ -44,9 +45,9 @@ struct DeviceLimits {
     bool by_number = false;                           // Device::ask_by_number()
 };
 
-/// Why a frame is not sent, as a clause for the user; empty: it is sent, or may be sent at the next attempt.
+/// Why a frame is not sent; empty: it is sent, or may be sent at the next attempt.
 struct Unsent {
-    std::string why{};
+    ano::Fault why{};
     bool is_down = false;    // its link is down or too slow: a later try may succeed
 };
 
@@ -68,9 +69,9 @@ public:
     virtual void cache(const std::string& /*name*/, const std::string& /*text*/) {}
     /// Whether a frame that was passed to send() for `address` waits to be sent.
     virtual bool is_waiting(std::uint8_t /*address*/) { return false; }
-    /// Why no frame to `address` is being sent, as a clause, once that has lasted 3 s; empty: frames are sent, or none waits. To
+    /// Why no frame to `address` is being sent, once that has lasted 3 s; empty: frames are sent, or none waits. To
     /// be called several times a second while a job waits for the device.
-    virtual std::string accepts_nothing(std::uint8_t /*address*/) { return {}; }
+    virtual ano::Fault accepts_nothing(std::uint8_t /*address*/) { return {}; }
     /// Whether every passing frame must be passed to DeviceService::hear() from now on.
     virtual void listen(bool wants) = 0;
     /// DeviceService::run() must be called at `at`, or at an earlier time set before.

@@ -83,9 +83,9 @@ std::string client_of(const Request& request) {
 Response begin(DeviceService& service, const Request& request, JobRequest job_request) {
     DeviceNet& net = service.net();
     if (job_request.operation != Operation::read && net.may_have_waited(request.came_at))
-        return http::try_again("the gateway was paused and this request expired; please repeat it");
+        return http::try_again(ano::Fault{"request_expired"});
     const Requester requester = requester_of(request, job_request.operation != Operation::read);
-    if (!service.has_room_for(requester)) return http::try_again("too many clients are waiting for jobs; try again later");
+    if (!service.has_room_for(requester)) return http::try_again(ano::Fault{"clients_waiting"});
     const ano::TimePoint now = net.now();
     const auto address = service.address_of(request.parameter("device"), now);
     if (const auto* unknown = std::get_if<NotBegun>(&address)) return answer_of(*unknown);
@@ -103,8 +103,7 @@ Response begin(DeviceService& service, const Request& request, JobRequest job_re
 
 Response scan_answer(DeviceService& service, const Request& request) {
     DeviceNet& net = service.net();
-    if (net.may_have_waited(request.came_at))
-        return http::try_again("the gateway was paused and this request expired; please repeat it");
+    if (net.may_have_waited(request.came_at)) return http::try_again(ano::Fault{"request_expired"});
     JobOrder order{JobKind::scan, Operation::read, std::nullopt, false, client_of(request), scan};
     order.requester = requester_of(request, false);
     order.result = [&service] { return ano::compact_json(devices_list(service)); };
@@ -197,7 +196,7 @@ http::Routes::Function with_job(DeviceService& service,
         const std::string_view word = request.parameter("job");
         const auto id = number_in(word);
         const auto job = id ? service.job(*id) : nullptr;
-        if (!job) return http::error(404, "there is no job " + ano::in_quotes(word) + ": it never existed, or ended long ago");
+        if (!job) return http::error({"no_such_job", ano::in_quotes(word)});
         return function(request, job);
     };
 }

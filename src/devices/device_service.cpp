@@ -27,41 +27,30 @@ using ano::TimePoint;
 using ano::host::Operation;
 using ano::host::Refusal;
 
-constexpr unsigned not_heard = 404;    // the status of a refusal
 constexpr Duration until_it_answers = std::chrono::seconds{2};
 constexpr Duration between_looks = std::chrono::milliseconds{5};    // interval of checks whether a queued frame has been sent
 constexpr Duration rate_over = std::chrono::seconds{2};
 constexpr Duration listens_before_ground_work = std::chrono::seconds{2};    // to learn whether the device flies
 constexpr Duration until_heard = std::chrono::seconds{2};                   // interval of looking whether a device is present
 
-NotBegun not_begun(unsigned status, std::string error) {
-    return {status, std::move(error), std::string{http::what_of(status)}, nullptr};
+NotBegun not_begun(ano::Fault fault) {
+    std::string what{http::what_of(fault.status())};
+    return {std::move(fault), std::move(what), nullptr};
 }
 
-std::string format_conflict(std::uint8_t address, const std::vector<std::string>& links) {
+ano::Fault why(Refusal refusal, std::uint8_t address, const std::vector<std::string>& links) {
     const std::string device = ano::hex_byte(address);
-    std::string heard;
-    for (const std::string& link : links) heard += (heard.empty() ? " (seen on " : " and ") + link;
-    return "several devices have the address " + device + heard + (heard.empty() ? "" : ")") +
-           ": it is unclear which one is meant; when only one is left, run anoctl routes --forget " + device;
-}
-
-std::string why(Refusal refusal, std::uint8_t address, const std::vector<std::string>& links) {
-    const std::string device = ano::hex_byte(address);
+    std::string seen;
+    for (const std::string& link : links) seen += (seen.empty() ? "" : " and ") + link;
     switch (refusal) {
-    case Refusal::no_device: return device + " is not a device address";
-    case Refusal::not_known: return device + " was not seen and does not answer";
-    case Refusal::in_conflict: return format_conflict(address, links);
-    case Refusal::on_several_channels:
-        return device + " is seen on several links without a common group: a frame to it would be sent to all of them";
+    case Refusal::no_device: return {"not_a_device", device};
+    case Refusal::not_known: return {"not_seen", device};
+    case Refusal::in_conflict:
+        return seen.empty() ? ano::Fault{"address_conflict", device} : ano::Fault{"address_conflict_seen", device, seen};
+    case Refusal::on_several_channels: return {"on_several_links", device};
     case Refusal::in_the_air: break;
     }
-    return device + " is unlocked or flying: this is only allowed on the ground";
-}
-
-unsigned status_of(Refusal refusal) {
-    if (refusal == Refusal::no_device) return 400;
-    return refusal == Refusal::not_known ? not_heard : 409;
+    return {"in_the_air", device};
 }
 
 // Whether a frame with this id, which changes the device, may belong to the job.
@@ -146,14 +135,13 @@ void DeviceService::record_elsewhere(ano::FrameView frame, const std::string& pl
     if (frame.destination() != own_ || !ano::may_answer(frame.id())) return;
     for (const auto& job : jobs_)
         if (!job->is_over() && job->order.address == frame.source() && job->conflict.empty())
-            job->conflict = "answers with the address " + ano::hex_byte(frame.source()) + " were received on " + place +
-                            ", which is not its link, and were ignored";
+            job->conflict = {"answers_elsewhere", ano::hex_byte(frame.source()), place};
 }
 
 void DeviceService::note_other_writer(Job& job, TimePoint now) {
     if (job.is_over() || !job.is_writing() || !job.order.address || !job.conflict.empty()) return;
     if (const auto writer = guard_.other_writer(*job.order.address, now))
-        job.conflict = ano::hex_byte(*writer) + " also writes to " + ano::hex_byte(*job.order.address);
+        job.conflict = {"other_writer", ano::hex_byte(*writer), ano::hex_byte(*job.order.address)};
 }
 
 // Some devices acknowledge with the address of the port at which the request arrived.
@@ -255,8 +243,8 @@ WorkPlace DeviceService::place(const Job& job) {
     if (job.order.address) {
         const auto refused = [this,
                               order = JobOrder{job.order.kind, job.order.operation, job.order.address, job.order.force, {}, {}}] {
-            const auto why = refusal(order, net_.now());
-            return why ? why->error : std::string{};
+            const auto refused_now = refusal(order, net_.now());
+            return refused_now ? refused_now->fault : ano::Fault{};
         };
         return {device(*job.order.address),     cache_, commands_, net_, journal_, texts(*job.order.address), refused,
                 !job.order.requester.controls()};
@@ -299,8 +287,8 @@ std::optional<NotBegun> DeviceService::refusal(const JobOrder& order, TimePoint 
     auto refused = guard_.refusal(order.operation, address, where, order.force);
     if (!refused && !where.is_known && !may_go_unheard(order, where.was_heard)) refused = Refusal::not_known;
     if (!refused) return std::nullopt;
-    NotBegun told = not_begun(status_of(*refused), why(*refused, address, net_.links_in_conflict(address, now)));
-    if (told.status == 409) told.what = "refused";
+    NotBegun told = not_begun(why(*refused, address, net_.links_in_conflict(address, now)));
+    if (told.status() == 409) told.what = "refused";
     return told;
 }
 
@@ -339,19 +327,17 @@ bool DeviceService::make_room(TimePoint now) {
 }
 
 std::variant<std::shared_ptr<Job>, NotBegun> DeviceService::begin(JobOrder order, TimePoint now) {
-    if (stopped_) return not_begun(503, "the gateway is stopping");
+    if (stopped_) return not_begun({"stopping"});
     use(now);
     auto refused = refusal(order, now);
-    const bool is_unheard = refused && refused->status == not_heard;
+    const bool is_unheard = refused && refused->fault.is("not_seen");
     if (refused && !is_unheard) return *std::move(refused);
     if (order.address)
         if (auto has_it = holder(*order.address); has_it && !may_run_beside(order, has_it->order))
-            return NotBegun{409, ano::hex_byte(*order.address) + " is used by " + to_string(*has_it), "busy", has_it};
+            return NotBegun{{"used_by_job", ano::hex_byte(*order.address), name_of(*has_it)}, "busy", has_it};
     if (auto same = shared(order)) return same;
-    if (order.kind == JobKind::firmware && upgrades() >= max_upgrades)
-        return not_begun(503, "other devices are being upgraded; try again later");
-    if (!may_run_one_more(order.requester) || !make_room(now))
-        return not_begun(503, "too many jobs are running; try again later");
+    if (order.kind == JobKind::firmware && upgrades() >= max_upgrades) return not_begun({"upgrades_running"});
+    if (!may_run_one_more(order.requester) || !make_room(now)) return not_begun({"jobs_running"});
     auto job = std::make_shared<Job>();
     job->id = next_id_++;
     job->order = std::move(order);
@@ -415,9 +401,9 @@ void DeviceService::ask_who_it_is(std::uint8_t address, TimePoint now, Nobody& a
 bool DeviceService::is_heard(Job& job, TimePoint now) {
     if (!job.heard_by) return true;
     const auto refused = refusal(job.order, now);
-    if (refused && refused->status == not_heard && now < *job.heard_by) return false;
+    if (refused && refused->fault.is("not_seen") && now < *job.heard_by) return false;
     if (!refused) job.heard_by.reset();
-    else finish(job, {refused->status, {}, refused->error, refused->what, {}, false}, now);
+    else finish(job, {refused->status(), {}, refused->fault, refused->what, {}, false}, now);
     return !refused;
 }
 
@@ -425,7 +411,7 @@ bool DeviceService::cancel(Job& job, TimePoint now) {
     if (job.is_over()) return false;
     job.is_cancelled = true;
     if (job.work) job.work->cancel(now);
-    else finish(job, {409, {}, "cancelled before it started", "refused", {}, true}, now);
+    else finish(job, {409, {}, {"cancelled_before"}, "refused", {}, true}, now);
     net_.wake(now);
     return true;
 }
@@ -435,7 +421,7 @@ void DeviceService::left(Job& job) {
 }
 
 std::optional<NotBegun> DeviceService::go_on(Job& job, TimePoint now) {
-    const NotBegun does_not_wait = not_begun(409, "the job is not waiting");
+    const NotBegun does_not_wait = not_begun({"job_not_waiting"});
     if (job.is_over() || !job.work || !job.work->is_waiting()) return does_not_wait;
     if (auto refused = refusal(job.order, now)) return refused;    // it may have taken off since the job began
     if (!job.work->go_on(now)) return does_not_wait;
@@ -458,17 +444,17 @@ void DeviceService::stop(TimePoint now) {
 }
 
 void DeviceService::cut_off(Job& job, TimePoint now) {
-    std::string words = "nothing was started";
+    ano::Fault state{"nothing_started"};
     std::string result;
     ano::host::Evidence evidence{};
     if (job.work) {
         if (!job.work->end()) job.work->cancel(now);
         if (!job.work->end()) job.work->run(now);
         if (const auto& end = job.work->end(); end && end->status < 300) return finish(job, *end, now);
-        words = job.work->end() ? job.work->end()->error : job.work->half_done();
+        state = job.work->end() ? job.work->end()->fault : job.work->half_done();
         if (job.work->end()) result = job.work->end()->result, evidence = job.work->end()->evidence;
     }
-    finish(job, {503, std::move(result), "the gateway is stopping: " + words, "refused", evidence, true}, now);
+    finish(job, {503, std::move(result), {"stopping_at", std::move(state)}, "refused", evidence, true}, now);
 }
 
 // A client may start the next job while an ended one is being answered, so this repeats until nothing changes.
@@ -490,7 +476,7 @@ void DeviceService::advance(const std::shared_ptr<Job>& job, TimePoint now) {
     if (!job->work) {
         if (!is_heard(*job, now) || now < job->begins_at) return;
         if (const auto refused = refusal(job->order, now); refused && job->order.operation == Operation::ground)
-            return finish(*job, {refused->status, {}, refused->error, refused->what, {}, false}, now);
+            return finish(*job, {refused->status(), {}, refused->fault, refused->what, {}, false}, now);
         job->work = job->order.work(place(*job));
         ++at_work_;
         job->message.clear();
@@ -698,7 +684,7 @@ void DeviceService::report_note(const std::string& name, const std::string& text
 
 // A refusal of one frame applies to all frames of its kind; a frame that changes the device belongs to the commands, or to the
 // one other job that may change it. The job does not end at once: its work restores what it can and reports the rest.
-void DeviceService::fail(std::uint8_t address, std::uint8_t id, bool acts, const std::string& why, TimePoint now) {
+void DeviceService::fail(std::uint8_t address, std::uint8_t id, bool acts, const ano::Fault& why, TimePoint now) {
     const auto all = jobs_;
     for (const auto& job : all) {
         if (job->is_over() || job->order.address != address) continue;
@@ -707,7 +693,7 @@ void DeviceService::fail(std::uint8_t address, std::uint8_t id, bool acts, const
 }
 
 // A command that was not sent must not be sent late, to a device that has replaced this one.
-void DeviceService::fail_calls(std::uint8_t address, const std::string& why, TimePoint now) {
+void DeviceService::fail_calls(std::uint8_t address, const ano::Fault& why, TimePoint now) {
     const auto all = jobs_;
     for (const auto& job : all)
         if (!job->is_over() && job->order.address == address && job->order.kind == JobKind::command && job->acted == 0)
@@ -725,7 +711,7 @@ void DeviceService::not_sent(ano::FrameView frame, const Unsent& unsent, TimePoi
     if (known_[address] && known_[address]->device) known_[address]->device->was_not_sent(frame.checks());
 }
 
-void DeviceService::end_refused(const std::shared_ptr<Job>& job, unsigned status, const std::string& why, TimePoint now) {
+void DeviceService::end_refused(const std::shared_ptr<Job>& job, unsigned status, const ano::Fault& why, TimePoint now) {
     if (!job->work || !job->refused.empty()) return;
     job->refused = why;
     job->refused_status = status;
@@ -733,7 +719,7 @@ void DeviceService::end_refused(const std::shared_ptr<Job>& job, unsigned status
     if (job->work->end()) finish(*job, *job->work->end(), now);
 }
 
-void DeviceService::refuse(std::uint8_t address, const std::string& why, TimePoint now) {
+void DeviceService::refuse(std::uint8_t address, const ano::Fault& why, TimePoint now) {
     const auto job = holder(address);
     if (!job || job->order.kind != JobKind::action) return;
     job->acted = 0;
@@ -747,14 +733,14 @@ void DeviceService::finish(Job& job, WorkEnd end, TimePoint now) {
         job.step = job.work->step();
     }
     if (!job.refused.empty() && end.status >= 300) {
-        end = {job.refused_status, std::move(end.result), job.refused + (job.acted > 0 ? "; " + end.error : std::string{}),
-               "refused",          end.evidence,          false};
+        const ano::Fault state = job.acted > 0 ? std::move(end.fault) : ano::Fault{};
+        end = {job.refused_status, std::move(end.result), job.refused, "refused", end.evidence, false};
+        end.fault.add(state);
     }
     job.state = end.status < 300 ? JobState::done : end.is_cancelled ? JobState::cancelled : JobState::failed;
-    if (end.status >= 300 && !job.stopped.empty()) end.error += "; " + job.stopped;
-    job.stopped.clear();
-    if (end.status >= 300 && !job.conflict.empty()) end.error += "; " + job.conflict;
-    job.message = end.error.empty() ? job.conflict : end.error;
+    if (end.status >= 300) end.fault.add(std::exchange(job.stopped, {})).add(job.conflict);
+    job.stopped = {};
+    job.message = (end.fault.empty() ? job.conflict : end.fault).text();
     if (end.status < 300) job.progress.done = job.progress.total;
     if (end.status < 300 && job.order.result) end.result = job.order.result();
     if (!end.result.empty() && !end.is_exact) end.result = exact_json(end.result);
@@ -803,7 +789,7 @@ void DeviceService::look(Job& job, TimePoint now) {
     if (state == job.state && now - job.reported_at < between_progress) return;
     std::string message = job.work->message(), step = job.work->step();
     if (job.order.address) job.stopped = net_.accepts_nothing(*job.order.address);
-    if (!job.stopped.empty()) message += "; " + job.stopped;
+    if (!job.stopped.empty()) message += "; " + job.stopped.text();
     const ano::host::Progress progress = job.work->progress();
     const bool is_news = state != job.state || message != job.message || step != job.step || progress.done != job.progress.done ||
                          progress.total != job.progress.total;
@@ -882,11 +868,11 @@ std::variant<std::uint8_t, NotBegun> DeviceService::address_of(std::string_view 
     for (const HeardAddress& one : heard(now)) {
         const auto reported = info(one.address);
         if (!reported || !texts(one.address).is(reported->name, word)) continue;
-        if (named) return not_begun(409, "several devices have the name " + ano::in_quotes(word) + ": use the address");
+        if (named) return not_begun({"several_named", ano::in_quotes(word)});
         named = one.address;
     }
     if (named) return *named;
-    return not_begun(404, "unknown device " + ano::in_quotes(word) + " (neither a name nor an address)");
+    return not_begun({"unknown_device", ano::in_quotes(word)});
 }
 
 // The addresses known to `net_`, and those heard here: `net_` does not learn an address that is pinned to a link or a group.

@@ -39,10 +39,11 @@ namespace anogate {
 
 /// Why a job can't start, as the answer to the client.
 struct NotBegun {
-    unsigned status = 400;
-    std::string error;
+    ano::Fault fault;
     std::string what;
     std::shared_ptr<const Job> has_it{};    // the job that is using the device
+
+    unsigned status() const noexcept { return fault.status(); }
 };
 
 /// The known data of one device.
@@ -93,7 +94,7 @@ public:
     /// running jobs for that device report it.
     void record_elsewhere(ano::FrameView frame, const std::string& place);
     /// The device did not carry out the action of a job, and reported the reason outside the protocol.
-    void refuse(std::uint8_t address, const std::string& why, ano::TimePoint now);
+    void refuse(std::uint8_t address, const ano::Fault& why, ano::TimePoint now);
     /// `frame`, which DeviceNet::send() accepted, was dropped before it was sent.
     void not_sent(ano::FrameView frame, const Unsent& unsent, ano::TimePoint now);
     /// The link to the device at `address` was down, or is another one now: the data read before may belong to another device.
@@ -228,9 +229,9 @@ private:
     std::size_t upgrades() const;
     void advance(const std::shared_ptr<Job>& job, ano::TimePoint now);
     void send_all(ano::TimePoint now);
-    void fail(std::uint8_t address, std::uint8_t id, bool acts, const std::string& why, ano::TimePoint now);
-    void fail_calls(std::uint8_t address, const std::string& why, ano::TimePoint now);
-    void end_refused(const std::shared_ptr<Job>& job, unsigned status, const std::string& why, ano::TimePoint now);
+    void fail(std::uint8_t address, std::uint8_t id, bool acts, const ano::Fault& why, ano::TimePoint now);
+    void fail_calls(std::uint8_t address, const ano::Fault& why, ano::TimePoint now);
+    void end_refused(const std::shared_ptr<Job>& job, unsigned status, const ano::Fault& why, ano::TimePoint now);
     void finish(Job& job, WorkEnd end, ano::TimePoint now);
     void look(Job& job, ano::TimePoint now);
     void changed(Job& job);

@@ -27,9 +27,7 @@ std::optional<ano::host::AnyValue> DeviceTexts::wire(ano::host::AnyValue value) 
     return ano::host::AnyValue{*std::move(converted)};
 }
 
-std::string DeviceTexts::misfit() const {
-    return std::string{"can't be written in "} + (encoding() == ano::Encoding::gbk ? "GBK" : "UTF-8");
-}
+ano::Fault DeviceTexts::misfit() const { return {"not_encodable", encoding() == ano::Encoding::gbk ? "GBK" : "UTF-8"}; }
 
 bool DeviceTexts::is(std::string_view bytes, std::string_view text) const {
     return bytes == text || display_text(bytes) == text || is_once_exported(bytes, text);

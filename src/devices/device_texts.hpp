@@ -1,6 +1,7 @@
 // The names and texts of one device: bytes in the encoding of the device, UTF-8 for clients. The host engine (include/host) has
 // the bytes; texts from and for clients are converted here.
 #pragma once
+#include <ano/fault.hpp>
 #include <ano/frame.hpp>
 #include <ano_json/encoding_of_sender.hpp>
 #include <ano_json/shown_text.hpp>
@@ -37,12 +38,16 @@ public:
     std::string display_text(std::string_view bytes) const {
         return ano::display_text(bytes, given_.value_or(learned_.for_reading()));
     }
+    /// The same for the texts in its arguments.
+    ano::Fault display_fault(const ano::Fault& fault) const {
+        return fault.converted([this](std::string_view bytes) { return display_text(bytes); });
+    }
     /// For the device; std::nullopt: its encoding lacks a character.
     std::optional<std::string> bytes(std::string_view text) const noexcept;
     /// The same for a value; numbers are returned unchanged.
     std::optional<ano::host::AnyValue> wire(ano::host::AnyValue value) const noexcept;
-    /// Why bytes() returns std::nullopt, as a clause that follows the text.
-    std::string misfit() const;
+    /// Why bytes() returns std::nullopt.
+    ano::Fault misfit() const;
 
     /// Whether `text` from a client is the name with these bytes.
     bool is(std::string_view bytes, std::string_view text) const;

@@ -1,6 +1,7 @@
 #include <ano/address.hpp>
 #include <ano/hex.hpp>
 #include <ano/typed.hpp>
+#include <ano_json/fault_json.hpp>
 #include <ano_json/json_line.hpp>
 #include <devices/job.hpp>
 
@@ -18,6 +19,7 @@ using Json = nlohmann::ordered_json;
 struct KindRow {
     std::string_view name, unit;
     std::uint8_t asks_by;    // the id of its questions
+    ano::FaultId<> action;
 };
 
 constexpr std::size_t number_of_kinds = static_cast<std::size_t>(JobKind::scan) + 1;
@@ -27,17 +29,17 @@ constexpr std::uint8_t questions = ano::id_of<"parameter_command">, command_quer
 
 // In the order of JobKind.
 constexpr KindRow kinds[] = {
-    {"parameters", "answers", questions},
-    {"write", "steps", questions},
-    {"apply", "parameters", questions},
-    {"action", "steps", questions},
-    {"commands", "commands", command_query},
-    {"command", "steps", command_query},
-    {"waypoints", "waypoints", waypoint_read},
-    {"put_waypoints", "waypoints", waypoint_read},
-    {"firmware", "bytes", questions},
-    {"calibration", "steps", questions},
-    {"scan", "devices", questions},
+    {"parameters", "answers", questions, "reading_parameters"},
+    {"write", "steps", questions, "writing_parameter"},
+    {"apply", "parameters", questions, "writing_parameters"},
+    {"action", "steps", questions, "saving_parameters"},
+    {"commands", "commands", command_query, "reading_commands"},
+    {"command", "steps", command_query, "calling_command"},
+    {"waypoints", "waypoints", waypoint_read, "reading_waypoints"},
+    {"put_waypoints", "waypoints", waypoint_read, "writing_waypoints"},
+    {"firmware", "bytes", questions, "firmware_upgrade"},
+    {"calibration", "steps", questions, "calibration"},
+    {"scan", "devices", questions, "scan"},
 };
 static_assert(std::size(kinds) == number_of_kinds);
 constexpr std::string_view states[] = {"running", "waiting", "done", "failed", "cancelled"};
@@ -65,24 +67,6 @@ std::string with_result_of(const Job& job, const Json& json) {
     return line.append(between).append(result.substr(0, result.size() - 1)).append("}\n");
 }
 
-// The action of each kind as text for people; in the order of JobKind.
-constexpr std::string_view actions[] = {
-    "reading parameters",
-    "writing a parameter",
-    "writing parameters",
-    "saving or restoring parameters",
-    "reading commands",
-    "calling a command",
-    "reading waypoints",
-    "writing waypoints",
-    "firmware upgrade",
-    "calibration",
-    "scan",
-};
-static_assert(std::size(actions) == number_of_kinds);
-
-std::string_view action_of(JobKind kind) noexcept { return actions[static_cast<std::size_t>(kind)]; }
-
 const KindRow& row_of(JobKind kind) noexcept { return kinds[static_cast<std::size_t>(kind)]; }
 
 }    // namespace
@@ -93,10 +77,10 @@ std::string_view name_of(JobState state) noexcept { return states[static_cast<st
 
 bool asks_by(JobKind kind, std::uint8_t id) noexcept { return row_of(kind).asks_by == id; }
 
-std::string to_string(const Job& job) {
-    std::string words = "job " + std::to_string(job.id) + " (" + std::string{action_of(job.order.kind)};
-    if (!job.order.client.empty()) words += ", by " + job.order.client;
-    return words + ")";
+ano::Fault name_of(const Job& job) {
+    const ano::Fault action{row_of(job.order.kind).action};
+    if (job.order.client.empty()) return {"job_alone", job.id, action};
+    return {"job_by", job.id, action, job.order.client};
 }
 
 std::string exact_json(const std::string& text) {
@@ -118,11 +102,11 @@ nlohmann::ordered_json job_json(const Job& job) {
         json["unit"] = unit_of(job.order.kind);
     }
     json["message"] = job.message;
-    if (!job.conflict.empty()) json["conflict"] = job.conflict;
-    if (!job.stopped.empty()) json["stopped"] = job.stopped;
+    if (!job.conflict.empty()) json["conflict"] = job.conflict.text();
+    if (!job.stopped.empty()) json["stopped"] = job.stopped.text();
     if (!job.step.empty()) json["step"] = Json::parse(job.step, nullptr, false);
     if (!job.end || job.end->status < 300) return json;
-    json["error"] = job.end->error;
+    ano::add_fault(json, job.end->fault);
     json["what"] = job.end->what;
     json["status"] = job.end->status;
     json["evidence"] = evidence_json(job.end->evidence);
@@ -138,10 +122,10 @@ std::shared_ptr<const std::string> job_line(const Job& job) {
 
 std::shared_ptr<const std::string> end_line(const Job& job) {
     if (job.end->status < 300) return job.result ? job.result : std::make_shared<const std::string>("null\n");
-    return std::make_shared<const std::string>(with_result_of(job, Json{{"error", job.end->error},
-                                                                        {"what", job.end->what},
-                                                                        {"job", job.id},
-                                                                        {"evidence", evidence_json(job.end->evidence)}}));
+    Json json;
+    ano::add_fault(json, job.end->fault);
+    json.update({{"what", job.end->what}, {"job", job.id}, {"evidence", evidence_json(job.end->evidence)}});
+    return std::make_shared<const std::string>(with_result_of(job, json));
 }
 
 }    // namespace anogate

@@ -68,11 +68,10 @@ struct Job {
     std::optional<ano::TimePoint> heard_by{};    // the device must be heard by then; std::nullopt: it was
     unsigned acted = 0;                          // frames that change the device that were sent for it
     bool is_cancelled = false;                   // cancelled, but ending may take a while
-    std::string refused;                         // why its frames can't be sent: the job is ending
+    ano::Fault refused;                          // why its frames can't be sent: the job is ending
     unsigned refused_status = 403;               // HTTP status for `refused`
-    std::string conflict;                        // other senders that write to its device, or answer with its address, as a
-                                                 // clause
-    std::string stopped;                         // why no frame to its device is sent, as a clause
+    ano::Fault conflict;                         // other senders that write to its device, or answer with its address
+    ano::Fault stopped;                          // why no frame to its device is sent
     std::string step;                            // JSON
     ano::host::Progress progress{};
     ano::TimePoint begins_at{};    // earliest start; until then the service listens whether the job is allowed
@@ -104,6 +103,6 @@ std::shared_ptr<const std::string> end_line(const Job& job);
 /// `text` (JSON) in the form that every program can read without loss (json_line.hpp).
 std::string exact_json(const std::string& text);
 /// "job 7 (firmware upgrade, by 192.168.1.5)"
-std::string to_string(const Job& job);
+ano::Fault name_of(const Job& job);
 
 }    // namespace anogate

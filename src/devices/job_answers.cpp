@@ -1,3 +1,4 @@
+#include <ano_json/fault_json.hpp>
 #include <ano_json/json_line.hpp>
 #include <devices/job_answers.hpp>
 #include <http/web_socket.hpp>
@@ -30,7 +31,7 @@ http::Response line_answer(unsigned status, std::shared_ptr<const std::string> l
 
 http::Response end_answer(const Job& job) {
     http::Response response = line_answer(job.end->status, end_line(job));
-    if (!job.conflict.empty()) response.headers.push_back({"Anogate-Conflict", job.conflict});
+    if (!job.conflict.empty()) response.headers.push_back({"Anogate-Conflict", job.conflict.text()});
     return response;
 }
 
@@ -189,8 +190,7 @@ http::Response job_answer(DeviceService& service, const std::shared_ptr<Job>& jo
                           unsigned status) {
     const bool is_web_socket_client = http::is_web_socket(request);
     if (!is_web_socket_client && !accepts_lines(request)) return line_answer(status, job_line(*job));
-    if (!service.has_room_for(requester_of(request, job->is_writing())))
-        return http::try_again("too many clients are waiting for jobs; try again later");
+    if (!service.has_room_for(requester_of(request, job->is_writing()))) return http::try_again(ano::Fault{"clients_waiting"});
     if (!is_web_socket_client) return lines_of(job, watching_client(service, job, request));
     http::Response response;
     response.web_socket = std::make_unique<JobMessages>(job, watching_client(service, job, request));
@@ -202,10 +202,12 @@ http::Response job_at_its_end(const std::shared_ptr<Job>& job) {
 }
 
 http::Response answer_of(const NotBegun& refused) {
-    Json json{{"error", refused.error}, {"what", refused.what}};
+    Json json;
+    ano::add_fault(json, refused.fault);
+    json["what"] = refused.what;
     if (refused.has_it) json["job"] = refused.has_it->id;
-    http::Response response = line_answer(refused.status, ano::json_line(json));
-    if (refused.status == 503) response.headers.push_back(http::retry_after());
+    http::Response response = line_answer(refused.status(), ano::json_line(json));
+    if (refused.status() == 503) response.headers.push_back(http::retry_after());
     return response;
 }
 

@@ -35,8 +35,7 @@ WorkEnd RowsText::ended(WorkEnd end, const Json& tail) {
 }
 
 WorkEnd too_many_bytes(std::uint8_t address) {
-    return work_fault(502, ano::hex_byte(address) + " describes more than " + std::to_string(RowsText::max_bytes >> 20) +
-                               " MiB: request a single one by name or number");
+    return work_fault({"description_too_long", ano::hex_byte(address), RowsText::max_bytes >> 20});
 }
 
 }    // namespace anogate

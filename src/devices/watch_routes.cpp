@@ -178,8 +178,7 @@ Response get_limits(DeviceService& service, const Request& request) {
 }
 
 Response put_limits(DeviceService& service, const Request& request) {
-    if (service.net().may_have_waited(request.came_at))
-        return http::try_again("the gateway was paused and this request expired; please repeat it");
+    if (service.net().may_have_waited(request.came_at)) return http::try_again(ano::Fault{"request_expired"});
     auto address = address_in(service, request);
     if (auto* unknown = std::get_if<Response>(&address)) return std::move(*unknown);
     const auto device = std::get<std::uint8_t>(address);

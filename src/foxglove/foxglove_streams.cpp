@@ -203,7 +203,7 @@ void FoxgloveStreams::ask_device(std::uint8_t address, std::vector<std::string> 
                    [names = std::move(names)](const WorkPlace& place) { return read_parameters(place, {.words = names}); }};
     order.requester = question->requester;
     const auto begun = devices_.begin(std::move(order), gateway_.now());
-    if (const auto* refused = std::get_if<NotBegun>(&begun)) return warn(question->client, refused->error);
+    if (const auto* refused = std::get_if<NotBegun>(&begun)) return warn(question->client, refused->fault.text());
     const auto& job = std::get<std::shared_ptr<Job>>(begun);
     job->goes_on = true;
     ++question->open;

@@ -278,7 +278,7 @@ double SixFaces::residual_by(Measure measure, const AccelerometerCalibration& ca
 Fit<AccelerometerCalibration> SixFaces::fit(const AccelerometerCalibration& old) const {
     Fit<AccelerometerCalibration> result;
     if (!is_complete()) {
-        result.wrong = "only " + std::to_string(faces_done()) + " of 6 faces were measured";
+        result.wrong = {"faces_missing", faces_done()};
         return result;
     }
     const auto all = solve();
@@ -286,12 +286,10 @@ Fit<AccelerometerCalibration> SixFaces::fit(const AccelerometerCalibration& old)
     const auto found = measure_ == Measure::direction ? all : solve_by_length(old);
     result.before = residual(old);
     result.after = found ? residual(*found) : 0;
-    if (!found || !is_plausible(*all) || !is_plausible(*found))
-        result.wrong = "the six faces are inconsistent: lay it flat on each";
-    else if (!(tilt < max_residual)) result.wrong = "the residual is " + with_one_decimal(tilt) + " cm/s²: lay it flat on each";
+    if (!found || !is_plausible(*all) || !is_plausible(*found)) result.wrong = {"faces_inconsistent"};
+    else if (!(tilt < max_residual)) result.wrong = {"residual_too_large", with_one_decimal(tilt)};
     else if (result.after >= result.before)
-        result.wrong = "the old values are as good: the residual is " + with_one_decimal(result.before) +
-                       " cm/s², and would be " + with_one_decimal(result.after) + " cm/s²";
+        result.wrong = {"old_as_good", with_one_decimal(result.before), with_one_decimal(result.after)};
     else result.calibration = *found;
     return result;
 }

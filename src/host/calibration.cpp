@@ -62,18 +62,14 @@ using CheckOf = std::conditional_t<std::is_same_v<Found, AccelerometerCalibratio
 // An older device rounds the values that it stores. The rounded values must still be better than the old ones on the same
 // samples: as a whole, and where the error is largest. Empty: they are.
 template <class Samples, class Found>
-std::string why_too_coarse(const Samples& samples, const Fit<Found>& fit, const Found& old, const Found& stored, Sensor sensor) {
+Fault why_too_coarse(const Samples& samples, const Fit<Found>& fit, const Found& old, const Found& stored, Sensor sensor) {
     const double after = samples.residual(stored);
-    if (!(after <= CheckOf<Found>::limit(fit.after) && after < Samples::max_residual))
-        return "the device can't store the new values precisely enough";
-    const auto words = [&](const char* what, double would_be, double is) {
-        return "as the device stores the new values, " + std::string{what} + " would be " + error_text(would_be, sensor) +
-               ", and is " + error_text(is, sensor);
-    };
-    if (after >= fit.before) return words("the residual", after, fit.before);
+    if (!(after <= CheckOf<Found>::limit(fit.after) && after < Samples::max_residual)) return {"too_coarse"};
+    if (after >= fit.before) return {"coarse_residual", error_text(after, sensor), error_text(fit.before, sensor)};
     const double most = worst_of(samples, stored), most_before = worst_of(samples, old);
     const bool is_rounded = stored.values() != fit.calibration->values();
-    return is_rounded && most > most_before ? words("the largest error", most, most_before) : std::string{};
+    if (!is_rounded || !(most > most_before)) return {};
+    return {"coarse_error", error_text(most, sensor), error_text(most_before, sensor)};
 }
 
 }    // namespace
@@ -126,7 +122,7 @@ void CalibrationWrite::applied(TimePoint now) {
     if (apply_.end()->ending != Ending::done) return finish_as(apply_, now);
     for (std::size_t i = 0; i < values_.size(); ++i) {
         const ParameterApply::Row& row = apply_.rows()[i];
-        if (row.state != ParameterApply::State::written) return finish({Ending::refused, row.what, {}}, now);
+        if (row.state != ParameterApply::State::written) return finish({Ending::refused, row.fault, {}}, now);
         if (row.stored) values_[i].second = *row.stored;
     }
     use_.start(now);
@@ -143,7 +139,7 @@ void CalibrationWrite::read_back(TimePoint now) {
     if (again_.end()->ending != Ending::done) return finish_as(again_, now);
     if (finds_another()) return finish_another({}, now);
     if (const std::string* name = first_unlike(values_, again_))
-        return finish({Ending::refused, hex_of(device().address()) + " does not keep " + *name, {}}, now);
+        return finish({Ending::refused, {"does_not_keep", hex_of(device().address()), *name}, {}}, now);
     finish({}, now);
 }
 
@@ -154,7 +150,7 @@ void CalibrationWrite::cancel(TimePoint now) {
     apply_.cancel(now);
     use_.cancel(now);
     again_.cancel(now);
-    finish({Ending::cancelled, "cancelled, some values may be written", {}}, now);
+    finish({Ending::cancelled, {"some_written"}, {}}, now);
 }
 
 Calibration::Calibration(Device& device, Sensor sensor, DescriptionCache* cache)
@@ -181,11 +177,7 @@ void Calibration::start(TimePoint now) {
 void Calibration::read_old(TimePoint now) {
     if (end()) return;
     if (reading_->end()->ending != Ending::done) return finish_as(*reading_, now);
-    if (!order_is_right())
-        return finish({Ending::unsupported,
-                       hex_of(device().address()) + " does not have the parameters of this calibration in the expected order",
-                       {}},
-                      now);
+    if (!order_is_right()) return finish({Ending::unsupported, {"calibration_unsupported", hex_of(device().address())}, {}}, now);
     renew_identity();
     old_ = *values_read();
     other_ = calibration_in(*reading_, other_than(sensor_)).value_or(CalibrationValues{});
@@ -228,8 +220,7 @@ void Calibration::kept(TimePoint now) {
 }
 
 void Calibration::not_kept(const std::string& why, TimePoint now) {
-    if (step_ == Step::keep_new && !end())
-        restore({Ending::failed, "the new values were not written, because they could not be saved: " + why, {}}, now);
+    if (step_ == Step::keep_new && !end()) restore({Ending::failed, {"new_values_not_saved", why}, {}}, now);
 }
 
 void Calibration::clear(TimePoint now) {
@@ -257,7 +248,7 @@ void Calibration::read_cleared(TimePoint now) {
     if (reading_->end()->ending != Ending::done) return restore(*reading_->end(), now);
     if (is_restarted(now)) return;
     const auto values = values_read();
-    if (!values) return restore({Ending::incomplete, "its cleared values could not be read", {}}, now);
+    if (!values) return restore({Ending::incomplete, {"cleared_unknown"}, {}}, now);
     cleared_ = *values;
     faces_ = {};
     sphere_ = {};
@@ -265,12 +256,12 @@ void Calibration::read_cleared(TimePoint now) {
 }
 
 bool Calibration::is_restarted(TimePoint now) {
-    const auto sign = watch_ ? watch_->sign(device()) : std::nullopt;
-    if (sign) restarted(*sign, now);
-    return sign.has_value();
+    const Fault sign = watch_ ? watch_->sign(device()) : Fault{};
+    if (!sign.empty()) restarted(sign, now);
+    return !sign.empty();
 }
 
-void Calibration::restarted(std::string sign, TimePoint now) {
+void Calibration::restarted(Fault sign, TimePoint now) {
     last_restart_ = std::move(sign);
     const std::string silence = watch_ ? watch_->silence_at_begin() : std::string{};
     silences_ = silence.empty() ? 0 : silences_ + 1;
@@ -281,17 +272,9 @@ void Calibration::restarted(std::string sign, TimePoint now) {
     }
     ++restarts_;
     if (silences_ == max_silences)
-        return restore(
-            {Ending::failed,
-             hex_of(device().address()) + " was silent for " + silence + " after each of " + std::to_string(max_silences) +
-                 " clears, which can't be distinguished from a restart with its old calibration",
-             {}},
-            now);
+        return restore({Ending::failed, {"silent_after_clear", hex_of(device().address()), silence, silences_}, {}}, now);
     if (restarts_ <= max_restarts) return clear(now);
-    restore({Ending::failed,
-             hex_of(device().address()) + " restarted " + std::to_string(restarts_) + " times (" + last_restart_ + ')',
-             {}},
-            now);
+    restore({Ending::failed, {"restarts_often", hex_of(device().address()), restarts_, last_restart_}, {}}, now);
 }
 
 void Calibration::receive(FrameView frame, TimePoint now) {
@@ -378,7 +361,7 @@ void Calibration::confirmed(TimePoint now) {
     if (reading_->end()->ending != Ending::done) return restore(*reading_->end(), now);
     if (is_restarted(now)) return;
     const auto values = values_read();
-    if (!values || !are_same(*values, cleared_)) return restarted("it has other calibration values than after the clear", now);
+    if (!values || !are_same(*values, cleared_)) return restarted({"not_as_cleared"}, now);
     fit(now);
 }
 
@@ -406,23 +389,21 @@ void Calibration::look(TimePoint now) {
     if (const auto at = due(); !at || now < *at) return;
     if (now >= silent_at()) return end_silent(now);
     if (step_ == Step::verify) return not_verified(now);
-    if (now >= step_since_ + time_to_turn)
-        return restore({Ending::timeout, "it was not turned to all sides within 10 minutes", {}}, now);
+    if (now >= step_since_ + time_to_turn) return restore({Ending::timeout, {"not_turned"}, {}}, now);
     const char* what = sensor_ == Sensor::accelerometer ? "inertial (0x01)" : "compass (0x02)";
-    restore({Ending::failed, hex_of(device().address()) + " is online, but sends no samples: " + what, {}}, now);
+    restore({Ending::failed, {"no_samples", hex_of(device().address()), what}, {}}, now);
 }
 
 // A device that is off can't receive the old values either.
 void Calibration::end_silent(TimePoint now) {
-    if (step_ != Step::restore)
-        why_ = {Ending::timeout, hex_of(device().address()) + " stopped sending: nothing was received for 4.5 s", {}};
+    if (step_ != Step::restore) why_ = {Ending::timeout, {"stopped_sending", hex_of(device().address()), "4.5"}, {}};
     stop_tasks(now);
     if (restore_) {
         restore_->mean(identity());
         restore_->on_end({});
         restore_->cancel(now);
     }
-    why_.what += "; the old values could not be written back";
+    why_.fault.add({"old_values_not_restored"});
     finish(why_, now);
 }
 
@@ -444,29 +425,25 @@ template <class Samples, class Found>
 void Calibration::use(const Samples& samples, const Fit<Found>& fit, TimePoint now) {
     const double limit = CheckOf<Found>::limit(fit.after);
     const bool is_corrected = fit.calibration && samples.residual(Found{}) <= limit && fit.before > limit;
-    if (is_corrected && !std::exchange(was_corrected_, true)) return restarted("its samples were already corrected", now);
+    if (is_corrected && !std::exchange(was_corrected_, true)) return restarted({"already_corrected"}, now);
     needs_proof_ = is_corrected || !shows_the_clear(cleared_, sensor_);
     residuals_ = std::pair{fit.before, fit.after};
-    if (!fit.calibration) return restore({Ending::failed, "rejected: " + fit.wrong, {}}, now);
+    if (!fit.calibration) return restore({Ending::failed, {"rejected", fit.wrong}, {}}, now);
     if (is_corrected && !shows_the_clear(cleared_, sensor_))
-        return restore({Ending::failed,
-                        hex_of(device().address()) + " acknowledges the clear and ignores it: its calibration values are not "
-                                                     "cleared, and its samples were already corrected, twice",
-                        {}},
-                       now);
+        return restore({Ending::failed, {"ignores_clear", hex_of(device().address())}, {}}, now);
     new_ = named(fit.calibration->values());
     const auto stored = calibration_of<Found>(new_);
     residuals_->second = samples.residual(stored);
-    if (const std::string why = why_too_coarse(samples, fit, calibration_of<Found>(old_), stored, sensor_); !why.empty())
-        return restore({Ending::failed, "rejected: " + why, {}}, now);
+    if (const Fault why = why_too_coarse(samples, fit, calibration_of<Found>(old_), stored, sensor_); !why.empty())
+        return restore({Ending::failed, {"rejected", why}, {}}, now);
     make_check(stored);
     if (keeps_new_) return enter(Step::keep_new, now);
     write(now);
 }
 
 void Calibration::write(TimePoint now) {
-    if (const std::string why = refusal_ ? refusal_() : ""; !why.empty())
-        return restore({Ending::refused, "the new values were not written: " + why, {}}, now);
+    if (const Fault why = refusal_ ? refusal_() : Fault{}; !why.empty())
+        return restore({Ending::refused, {"new_values_not_written", why}, {}}, now);
     enter(Step::write, now);
     write_ = std::make_unique<CalibrationWrite>(device(), cache_, sensor_, new_);
     write_->mean(identity());
@@ -539,10 +516,10 @@ void Calibration::prove(const Samples& samples, TimePoint now) {
     using Check = CheckOf<Found>;
     const bool is_best = best < Samples::max_residual && with_new <= Check::times_promised * best + Check::margin;
     if (is_best && !(with_new > with_old + Check::margin)) return check_parameters(now);
+    const std::string error = error_text(with_new, sensor_);
     restore({Ending::failed,
-             "not verified: with the new values the error is " + error_text(with_new, sensor_) + " on all sides, " +
-                 (is_best ? "with the old ones by " + error_text(with_old, sensor_)
-                          : "where " + error_text(best, sensor_) + " is possible: some of its samples were not raw"),
+             is_best ? Fault{"not_verified_worse", error, error_text(with_old, sensor_)}
+                     : Fault{"not_verified_raw", error, error_text(best, sensor_)},
              {}},
             now);
 }
@@ -558,31 +535,25 @@ void Calibration::kept_new_values(TimePoint now) {
     if (end() || !is_proven_ || step_ == Step::restore) return;
     if (reading_->end()->ending != Ending::done) return restore(*reading_->end(), now);
     if (!finds_another() && first_unlike(new_, *reading_) == nullptr) return finish({}, now);
-    restore({Ending::failed, hex_of(device().address()) + " did not keep the new values: it has probably restarted", {}}, now);
+    restore({Ending::failed, {"new_values_lost", hex_of(device().address())}, {}}, now);
 }
 
 void Calibration::not_verified(TimePoint now) {
     const bool faces = accelerometer_check_.has_value();
-    const std::string where = faces ? " on " + std::string{name_of(accelerometer_check_->face())} : std::string{};
+    const std::string_view face = faces ? name_of(accelerometer_check_->face()) : std::string_view{};
     const auto error = faces ? accelerometer_check_->error() : compass_check_->error();
     if (!error)
-        return restore({Ending::failed,
-                        "the new values could not be verified: it " +
-                            (faces ? "did not lie still" + where : std::string{"was not turned"}) + " when they were stored",
-                        {}},
-                       now);
-    const double promised = faces ? accelerometer_check_->promised() : compass_check_->promised();
-    restore({Ending::failed,
-             "not verified: with the new values the error is " + error_text(*error, sensor_) + where + " instead of " +
-                 error_text(promised, sensor_),
-             {}},
+        return restore({Ending::failed, faces ? Fault{"not_verified_moving", face} : Fault{"not_verified_still"}, {}}, now);
+    const std::string promised = error_text(faces ? accelerometer_check_->promised() : compass_check_->promised(), sensor_);
+    const std::string is = error_text(*error, sensor_);
+    restore({Ending::failed, faces ? Fault{"not_verified_on", is, face, promised} : Fault{"not_verified", is, promised}, {}},
             now);
 }
 
 // The old values belong to the previous device.
 void Calibration::finish_of_another(const Task& part, TimePoint now) {
     be_of_another();
-    finish({Ending::failed, part.end()->what + "; the old values were not written to that", {}}, now);
+    finish({Ending::failed, Fault{part.end()->fault}.add({"old_values_not_to_that"}), {}}, now);
 }
 
 void Calibration::restore(End why, TimePoint now) {
@@ -595,7 +566,7 @@ void Calibration::restore(End why, TimePoint now) {
 
 void Calibration::restored(TimePoint now) {
     const bool back = restore_->end()->ending == Ending::done;
-    why_.what += back ? "; the old values are restored" : "; the old values could not be written back: " + restore_->end()->what;
+    why_.fault.add(back ? Fault{"old_values_restored"} : Fault{"old_values_not_restored_why", restore_->end()->fault});
     finish(why_, now);
 }
 
@@ -617,8 +588,8 @@ void Calibration::stop_tasks(TimePoint now) {
 void Calibration::cancel(TimePoint now) {
     if (end() || step_ == Step::restore) return;
     stop_tasks(now);
-    if (step_ == Step::read || step_ == Step::keep) return finish({Ending::cancelled, "cancelled, nothing was changed", {}}, now);
-    restore({Ending::cancelled, "cancelled", {}}, now);
+    if (step_ == Step::read || step_ == Step::keep) return finish({Ending::cancelled, {"nothing_changed"}, {}}, now);
+    restore({Ending::cancelled, {"cancelled"}, {}}, now);
 }
 
 }    // namespace ano::host

@@ -156,7 +156,7 @@ void Commands::step_ended(const Ended& ended, TimePoint now) {
         return complete(parameter && parameter->limits ? std::optional{ValueType7::f32} : std::nullopt, now);
     }
     if (ended.outcome != Outcome::answered)
-        return finish_silent("number of commands", ended.evidence, now, "it probably has none");
+        return finish_silent({"number_of_commands"}, ended.evidence, now, {"probably_has_none"});
     counted(ended, now);
 }
 
@@ -170,7 +170,7 @@ void Commands::counted(const Ended& ended, TimePoint now) {
         return gather(count, now);
     }
     if (count != descriptions_.size())
-        return finish({Ending::failed, hex_of(device().address()) + " changes while its commands are read", {}}, now);
+        return finish({Ending::failed, {"changes", hex_of(device().address()), Fault{"commands"}}, {}}, now);
     if (!missing().empty() && again_ < more_rounds) {
         ++again_;
         std::vector<std::uint32_t> wanted;
@@ -178,9 +178,7 @@ void Commands::counted(const Ended& ended, TimePoint now) {
         wanted_ = std::move(wanted);
         return gather(wanted_.size(), now);
     }
-    if (!missing().empty())
-        return finish({Ending::incomplete, "command " + std::to_string(asked_for(missing().front())) + " was not described", {}},
-                      now);
+    if (!missing().empty()) return finish({Ending::incomplete, {"command_not_described", asked_for(missing().front())}, {}}, now);
     if (std::none_of(descriptions_.begin(), descriptions_.end(), has_seven)) return complete(std::nullopt, now);
     if (std::any_of(descriptions_.begin(), descriptions_.end(), is_of_newest)) return complete(ValueType7::u64, now);
     if (seven_) return complete(std::nullopt, now);
@@ -210,37 +208,27 @@ void Commands::complete(std::optional<ValueType7> shown, TimePoint now) {
 CommandCall::CommandCall(Device& device, CommandInfo command, std::vector<AnyValue> values, bool repeat)
     : Task{device}, command_{std::move(command)}, values_{std::move(values)}, repeat_{repeat} {}
 
-std::string CommandCall::order() const {
-    std::string order = "command";
-    if (!command_.name.empty()) return order + ' ' + command_.name;
-    for (const std::uint8_t byte : command_.cid) order += ' ' + hex_of(byte);
-    return order;
+Fault CommandCall::order() const {
+    if (!command_.name.empty()) return {"command_named", command_.name};
+    return {"command_named", hex_of(command_.cid[0]) + ' ' + hex_of(command_.cid[1]) + ' ' + hex_of(command_.cid[2])};
 }
 
-std::optional<std::string> CommandCall::pack(std::vector<std::uint8_t>& out) const {
+Fault CommandCall::pack(std::vector<std::uint8_t>& out) const {
     const std::size_t n = command_.types.size();
-    if (values_.size() != n)
-        return called() + " needs " + std::to_string(n) + (n == 1 ? " value" : " values") + ", not " +
-               std::to_string(values_.size());
+    if (values_.size() != n) return {"values_needed", called(), n, values_.size()};
     for (std::size_t i = 0; i < n; ++i) {
         const Misfit misfit = append(out, values_[i], command_.types[i]);
         if (misfit.empty()) continue;
-        return called() + ": value " + std::to_string(i + 1) + ", " + to_string(values_[i]) + ", " + std::string{misfit} +
-               " for " + std::string{ano::name_of(command_.types[i])};
+        return {"command_value_unfit", called(), i + 1, to_string(values_[i]), misfit, ano::name_of(command_.types[i])};
     }
-    return std::nullopt;
+    return {};
 }
 
 void CommandCall::start(TimePoint now) {
-    if (command_.has_unknown_type) return finish({Ending::unsupported, called() + " has a value of an unknown type", {}}, now);
-    if (command_.has_open_type)
-        return finish({Ending::invalid,
-                       called() + " has a value of type 7, which is f32 in older devices and u64 in newer ones, and the device's "
-                                  "descriptions do not show which: state it once (type7)",
-                       {}},
-                      now);
+    if (command_.has_unknown_type) return finish({Ending::unsupported, {"command_unknown_type", called()}, {}}, now);
+    if (command_.has_open_type) return finish({Ending::invalid, {"command_open_type", called()}, {}}, now);
     std::vector<std::uint8_t> values;
-    if (auto wrong = pack(values)) return finish({Ending::invalid, std::move(*wrong), {}}, now);
+    if (Fault wrong = pack(values); !wrong.empty()) return finish({Ending::invalid, std::move(wrong), {}}, now);
     Draft<"command"> draft;
     (void)draft.set<"cid0">(command_.cid[0]);
     (void)draft.set<"cid1">(command_.cid[1]);
@@ -252,26 +240,22 @@ void CommandCall::start(TimePoint now) {
 void CommandCall::ended(const Ended& ended, TimePoint now) {
     if (ended.evidence.may_be_of_equal)
         return finish({Ending::unknown,
-                       hex_of(ended.evidence.by_port.value_or(device().address())) + " acknowledged " + called() +
-                           ", which was sent more than once: the acknowledgement does not show which of them was carried out",
+                       {"ambiguous_acknowledgement", hex_of(ended.evidence.by_port.value_or(device().address())), called()},
                        ended.evidence},
                       now);
-    if (ended.outcome == Outcome::answered)
-        return finish({Ending::done, format_port_answer(ended.evidence), ended.evidence}, now);
+    if (ended.outcome == Outcome::answered) return finish({Ending::done, port_answer(ended.evidence), ended.evidence}, now);
     if (!ended.evidence.unfit.empty())
         return finish({Ending::unknown,
-                       hex_of(device().address()) + " acknowledged " + called() + " with wrong check bytes (" +
-                           spaced_hex(ended.evidence.unfit) + "): it has probably been carried out",
+                       {"probably_carried_out", hex_of(device().address()), called(), spaced_hex(ended.evidence.unfit)},
                        ended.evidence},
                       now);
-    if (repeat_) return finish_unacknowledged(order(), ended.evidence, now, "it probably can't do that now");
+    if (repeat_) return finish_unacknowledged(order(), ended.evidence, now, {"cannot_do_now"});
     finish({Ending::unknown,
-            "no answer to " + called() + ": it may have been carried out" +
-                (ended.evidence.is_heard ? ", or it can't be done now" : ""),
+            ended.evidence.is_heard ? Fault{"may_be_executed_or_not", called()} : Fault{"may_be_executed", called()},
             ended.evidence},
            now);
 }
 
-void CommandCall::cancel(TimePoint now) { finish({Ending::cancelled, called() + " may have been carried out", {}}, now); }
+void CommandCall::cancel(TimePoint now) { finish({Ending::cancelled, {"may_be_carried_out", called()}, {}}, now); }
 
 }    // namespace ano::host

@@ -130,16 +130,14 @@ double CompassSphere::residual(const CompassCalibration& calibration, const Comp
 Fit<CompassCalibration> CompassSphere::fit(const CompassCalibration& old) const {
     Fit<CompassCalibration> result;
     if (!is_complete()) {
-        result.wrong = "only " + percent(coverage()) + " of all directions were measured";
+        result.wrong = {"directions_missing", percent(coverage())};
         return result;
     }
     const auto found = solve();
     result.before = residual(old);
     result.after = found ? residual(*found) : 1;
-    if (!found || !(result.after < max_residual))
-        result.wrong = "the samples don't form an ellipsoid: turn it slowly, away from iron";
-    else if (result.after >= result.before)
-        result.wrong = "the residual would be " + percent(result.after) + ", and is " + percent(result.before);
+    if (!found || !(result.after < max_residual)) result.wrong = {"no_ellipsoid"};
+    else if (result.after >= result.before) result.wrong = {"no_better", percent(result.after), percent(result.before)};
     else result.calibration = *found;
     return result;
 }

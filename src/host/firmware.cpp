@@ -13,8 +13,7 @@ namespace {
 using namespace std::chrono_literals;
 namespace code = firmware_code;
 
-constexpr std::array<std::string_view, 5> step_words{"device info", "description of the image", "erasing", "sending",
-                                                     "check of the image"};
+constexpr std::array<FaultId<>, 5> step_ids{"device_info", "image_description", "erasing", "sending", "image_check"};
 
 // A frame is written to flash before it is answered, which takes longer than the questions with which the round trip was
 // measured.
@@ -47,7 +46,7 @@ Firmware::Firmware(Device& device, FirmwareImage image, FirmwareOptions options)
     options_.frame_len = std::max<std::size_t>(options_.frame_len, 1);
 }
 
-std::string_view Firmware::step() const noexcept { return step_words[step_]; }
+std::string_view Firmware::step() const noexcept { return step_ids[step_].row->english; }
 
 Progress Firmware::progress() const noexcept {
     return {std::min(frame_ * options_.frame_len, image_.bytes.size()), image_.bytes.size()};
@@ -66,11 +65,8 @@ std::optional<Duration> Firmware::time_left(TimePoint now) const noexcept {
 }
 
 void Firmware::start(TimePoint now) {
-    if (image_.bytes.empty()) return finish({Ending::invalid, "the image is empty", {}}, now);
-    if (frames() > max_frames)
-        return finish(
-            {Ending::invalid, "the image has more than 65536 frames of " + std::to_string(options_.frame_len) + " bytes", {}},
-            now);
+    if (image_.bytes.empty()) return finish({Ending::invalid, {"image_empty"}, {}}, now);
+    if (frames() > max_frames) return finish({Ending::invalid, {"image_too_long", options_.frame_len}, {}}, now);
     ask(question::device_info(identify), now);
 }
 
@@ -78,8 +74,8 @@ void Firmware::identified(const Ended& ended, TimePoint now) {
     renew_identity();
     const auto& info = device().info() ? device().info() : options_.info;
     if (!options_.force && !image_.is_for_any_hardware()) {
-        if (!info) return finish_without_info(step(), ended.evidence, now);
-        if (auto misfit = image_.misfit(*info)) return finish({Ending::invalid, std::move(*misfit), {}}, now);
+        if (!info) return finish_without_info({step_ids[step_]}, ended.evidence, now);
+        if (Fault misfit = image_.misfit(*info); !misfit.empty()) return finish({Ending::invalid, std::move(misfit), {}}, now);
     }
     ask_info(Purpose::begin, options_.frame_len, now);
 }
@@ -113,10 +109,7 @@ void Firmware::send_info(TimePoint now) {
 void Firmware::probed(bool answers, const Ended& ended, TimePoint now) {
     const bool answered_before = std::exchange(answers_probes_, answers);
     if (!answers || !answered_before || now - described_since_ < loader_patience) return send_info(now);
-    finish({Ending::unsupported,
-            hex_of(device().address()) + " answers other requests, but not the description of the image: it has no boot loader",
-            ended.evidence},
-           now);
+    finish({Ending::unsupported, {"no_loader", hex_of(device().address())}, ended.evidence}, now);
 }
 
 // Sends "erase" or "all sent".
@@ -134,7 +127,7 @@ void Firmware::ask_frame(TimePoint now) {
     step_ = send_frame;
     const std::size_t at = frame_ * options_.frame_len;
     piece_.resize(std::min(options_.frame_len, image_.bytes.size() - at));
-    if (!image_.bytes.read(at, piece_)) return abandon(Ending::failed, "the file can no longer be read", {}, now);
+    if (!image_.bytes.read(at, piece_)) return abandon(Ending::failed, {"file_gone"}, {}, now);
     Draft<"firmware", "image"> draft;
     (void)draft.set<"frame_num">(frame_);
     (void)draft.set<"data">(Bytes{piece_});
@@ -162,7 +155,7 @@ void Firmware::measure(const Evidence& evidence, bool answered, TimePoint now) {
 }
 
 void Firmware::not_meant(const Ended&, TimePoint now) {
-    finish_another({}, now, erasing_ ? "the one before is left in its boot loader" : "");
+    finish_another({}, now, erasing_ ? Fault{"previous_in_loader"} : Fault{});
 }
 
 void Firmware::on_unfit_answer(FrameView frame) {
@@ -210,13 +203,9 @@ void Firmware::described(std::optional<FirmwareCode> answer, const Ended& ended,
         return (infos_ > 1 && fits) || is_begun_again ? begin_erasing(now) : refused(ended.evidence, now);
     }
     order_ = answer->order;
-    if (purpose_ == Purpose::shorten)
-        note("with frames of " + std::to_string(asked_len_) + " bytes, because most longer ones were lost");
-    if (purpose_ == Purpose::begin_again)
-        note("begun again at frame " + std::to_string(frame_) + ", because " + hex_of(device().address()) +
-             " had lost the upgrade");
-    if (purpose_ == Purpose::begin_after_check)
-        note("begun again with frames of " + std::to_string(asked_len_) + " bytes, because " + lost_because_);
+    if (purpose_ == Purpose::shorten) remark_.add({"shorter_frames", asked_len_});
+    if (purpose_ == Purpose::begin_again) remark_.add({"begun_again", frame_, hex_of(device().address())});
+    if (purpose_ == Purpose::begin_after_check) remark_.add({"begun_again_shorter", asked_len_, lost_because_});
     options_.frame_len = asked_len_;
     erasing_ = true;
     begin_erasing(now);
@@ -229,24 +218,15 @@ void Firmware::begin_erasing(TimePoint now) {
 }
 
 void Firmware::refused(const Evidence& evidence, TimePoint now) {
-    if (purpose_ != Purpose::begin)
-        return abandon(lost_ending_, lost_because_ + ", and does not accept the image again", evidence, now);
-    const std::string device_is = hex_of(device().address());
-    if (infos_ == 1 || step_ != describe)
-        return finish({Ending::refused, device_is + " does not want this image", evidence}, now);
-    finish(
-        {Ending::refused,
-         device_is +
-             " did not answer the description of the image, and refused it when it came again: it has probably accepted the "
-             "first one, and takes no second one until it restarts; nothing was erased: power-cycle it and flash again (with a "
-             ".bia for its hardware, without force, the upgrade would have gone on)",
-         evidence},
-        now);
+    if (purpose_ != Purpose::begin) return abandon(lost_ending_, {"not_accepted_again", lost_because_}, evidence, now);
+    const std::string who = hex_of(device().address());
+    const bool is_first = infos_ == 1 || step_ != describe;
+    finish({Ending::refused, is_first ? Fault{"image_refused", who} : Fault{"image_refused_again", who}, evidence}, now);
 }
 
 void Firmware::erased(const FirmwareCode& answer, const Ended& ended, TimePoint now) {
     if (answer.code == code::erase_failed && is_refused_) return refused(ended.evidence, now);
-    if (answer.code == code::erase_failed) return abandon(Ending::failed, "the device could not erase", ended.evidence, now);
+    if (answer.code == code::erase_failed) return abandon(Ending::failed, {"erase_failed"}, ended.evidence, now);
     if (is_refused_) order_ = answer.order;
     erasing_ = true;
     frames_since_ = now;
@@ -254,7 +234,7 @@ void Firmware::erased(const FirmwareCode& answer, const Ended& ended, TimePoint 
 }
 
 void Firmware::check_failed(const Evidence& evidence, TimePoint now) {
-    lost_because_ = "the image did not pass the device's check";
+    lost_because_ = {"image_check_failed"};
     lost_ending_ = Ending::failed;
     if (repeats_ == 0 || checks_failed_ == max_checks_failed) return abandon(lost_ending_, lost_because_, evidence, now);
     ++checks_failed_;
@@ -274,7 +254,7 @@ void Firmware::frame_ended(std::uint16_t answer, const Ended& ended, TimePoint n
     }
     ++repeats_;
     if (++failures_ < max_failures) return ask_frame(now);
-    begin_again("the device could not write frame " + std::to_string(frame_), Ending::failed, ended.evidence, now);
+    begin_again({"frame_not_written", frame_}, Ending::failed, ended.evidence, now);
 }
 
 bool Firmware::is_hard() noexcept {
@@ -303,14 +283,7 @@ void Firmware::check_unanswered(const Ended& ended, TimePoint now) {
     if (orders_ < 2) return ask_order(check, now);
     if (!ended.evidence.unfit.empty()) return abandon(Ending::timeout, silence(ended.evidence), ended.evidence, now);
     const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(check_patience).count();
-    finish({Ending::timeout,
-            hex_of(device().address()) + " has written all " + std::to_string(frames()) + " frames, but did not report within " +
-                std::to_string(seconds) +
-                " s whether the image passed its check: it may run the new firmware already (anoctl devices --scan shows its "
-                "version); "
-                "if it does not, begin again",
-            ended.evidence},
-           now);
+    finish({Ending::timeout, {"image_not_reported", hex_of(device().address()), frames(), seconds}, ended.evidence}, now);
 }
 
 void Firmware::frame_unanswered(const Ended& ended, TimePoint now) {
@@ -322,7 +295,7 @@ void Firmware::frame_unanswered(const Ended& ended, TimePoint now) {
 }
 
 // If even the first frame is never received, shorter ones may be.
-void Firmware::begin_again(const std::string& why, Ending or_else, const Evidence& evidence, TimePoint now) {
+void Firmware::begin_again(const Fault& why, Ending or_else, const Evidence& evidence, TimePoint now) {
     if (lost_frame_ == frame_ || restarts_ == max_restarts) return abandon(or_else, why, evidence, now);
     lost_frame_ = frame_;
     lost_because_ = why;
@@ -332,21 +305,20 @@ void Firmware::begin_again(const std::string& why, Ending or_else, const Evidenc
     ask_info(Purpose::begin_again, frame_ == 0 && or_else == Ending::timeout ? shorter_len() : options_.frame_len, now);
 }
 
-// Why there is no answer, as a clause. "Stopped answering" only if no frame of the device was received.
-std::string Firmware::silence(const Evidence& evidence) const {
-    const std::string device_is = hex_of(device().address());
-    const std::string doing{step()};
-    if (!evidence.unfit.empty())
-        return device_is + " sent 0xF0 with " + spaced_hex(evidence.unfit) + ", which is not a valid answer: " + doing;
-    return device_is + (evidence.is_heard ? " is online, but does not answer: " : " stopped answering: ") + doing;
+// Why there is no answer. "Stopped answering" only if no frame of the device was received.
+Fault Firmware::silence(const Evidence& evidence) const {
+    const std::string who = hex_of(device().address());
+    const Fault doing{step_ids[step_]};
+    if (!evidence.unfit.empty()) return {"invalid_answer", who, spaced_hex(evidence.unfit), doing};
+    return evidence.is_heard ? Fault{"online_but_silent", who, doing} : Fault{"stopped_answering", who, doing};
 }
 
-void Firmware::abandon(Ending ending, const std::string& what, const Evidence& evidence, TimePoint now) {
-    finish({ending, what + std::string{half_done()}, evidence}, now);
+void Firmware::abandon(Ending ending, Fault fault, const Evidence& evidence, TimePoint now) {
+    finish({ending, std::move(fault.add(half_done())), evidence}, now);
 }
 
 void Firmware::cancel(TimePoint now) {
-    abandon(Ending::cancelled, erasing_ || step_ == erase ? "cancelled" : "cancelled, nothing was changed", {}, now);
+    abandon(Ending::cancelled, erasing_ || step_ == erase ? Fault{"cancelled"} : Fault{"nothing_changed"}, {}, now);
 }
 
 }    // namespace ano::host

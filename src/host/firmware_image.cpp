@@ -47,10 +47,9 @@ std::optional<std::uint16_t> crc_in_pieces(const FirmwareBytes& file, const Crc1
 }
 
 FirmwareFile of_bia(const FirmwareBytes& file, const Header& header) {
-    if (file.size() <= header.size()) return {std::nullopt, "the file ends in its header: it is cut off"};
+    if (file.size() <= header.size()) return {std::nullopt, {"file_cut_off"}};
     FirmwareImage image = with_header(header, file.behind(header.size()));
-    if (image.hw_ver_min > image.hw_ver_max)
-        return {std::nullopt, "the header's range of hardware versions is empty: it is damaged"};
+    if (image.hw_ver_min > image.hw_ver_max) return {std::nullopt, {"file_damaged"}};
     return {std::move(image), {}};
 }
 
@@ -69,9 +68,9 @@ FirmwareBytes FirmwareBytes::behind(std::size_t n) const {
 }
 
 FirmwareFile read_firmware(const FirmwareBytes& file, const Crc16& crc) {
-    if (file.empty()) return {std::nullopt, "the file is empty"};
-    if (file.size() > FirmwareImage::max_bytes) return {std::nullopt, "the file is larger than 64 MiB"};
-    FirmwareFile unreadable{std::nullopt, "the file can't be read"};
+    if (file.empty()) return {std::nullopt, {"file_empty"}};
+    if (file.size() > FirmwareImage::max_bytes) return {std::nullopt, {"file_too_large"}};
+    FirmwareFile unreadable{std::nullopt, {"file_unreadable"}};
     Header header{};
     if (!file.read(0, std::span{header}.first(std::min(header.size(), file.size())))) return unreadable;
     if (begins_with_magic(header)) return of_bia(file, header);
@@ -83,13 +82,11 @@ FirmwareFile read_firmware(const FirmwareBytes& file, const Crc16& crc) {
     return {std::move(image), {}};
 }
 
-std::optional<std::string> FirmwareImage::misfit(const DeviceInfo& device) const {
-    if (is_for_any_hardware()) return std::nullopt;
-    if (hw_type != device.dev_id) return "it is for hardware " + hex_of(hw_type) + ", the device is " + hex_of(device.dev_id);
-    if (device.hw_ver < hw_ver_min || device.hw_ver > hw_ver_max)
-        return "it is for hardware versions " + std::to_string(hw_ver_min) + " to " + std::to_string(hw_ver_max) +
-               ", the device is " + std::to_string(device.hw_ver);
-    return std::nullopt;
+Fault FirmwareImage::misfit(const DeviceInfo& device) const {
+    if (is_for_any_hardware()) return {};
+    if (hw_type != device.dev_id) return {"other_hardware", hex_of(hw_type), hex_of(device.dev_id)};
+    if (device.hw_ver >= hw_ver_min && device.hw_ver <= hw_ver_max) return {};
+    return {"other_hardware_version", hw_ver_min, hw_ver_max, device.hw_ver};
 }
 
 namespace {

@@ -82,10 +82,7 @@ void Gather::without_answer(std::uint32_t i, const Ended& ended, TimePoint now) 
     if (items_[i].tried < rounds) return again_.push_back(i);
     missing_.push_back(i);
     if (missing_.size() > max_missing)
-        finish({Ending::incomplete,
-                hex_of(device().address()) + " leaves out too many " + std::string{subject()} + ", the first is " +
-                    std::to_string(missing_.front()),
-                ended.evidence},
+        finish({Ending::incomplete, {"leaves_out", hex_of(device().address()), subject(), missing_.front()}, ended.evidence},
                now);
 }
 

@@ -65,11 +65,11 @@ bool ParameterApply::is_restarted() const noexcept {
     return lost_ > 0 || device().announcements() != announcements_ || device().presence() != presence_;
 }
 
-// A clause, or empty. A restart loses values that were not saved.
-std::string ParameterApply::format_restart() const {
-    if (device().announcements() != announcements_) return "the device restarted in the meantime";
-    if (device().presence() != presence_) return "the device was offline in the meantime and has probably restarted";
-    return lost_ > 0 ? "the device has probably restarted in the meantime" : "";
+// A restart loses values that were not saved.
+Fault ParameterApply::restart() const {
+    if (device().announcements() != announcements_) return {"device_restarted"};
+    if (device().presence() != presence_) return {"device_was_offline"};
+    return lost_ > 0 ? Fault{"device_probably_restarted"} : Fault{};
 }
 
 bool ParameterApply::is_same(const AnyValue& wanted, const AnyValue& has, const ParameterInfo& info) const {
@@ -80,20 +80,20 @@ bool ParameterApply::is_same(const AnyValue& wanted, const AnyValue& has, const 
 }
 
 // Why the row can't be written, as far as known before writing; empty: it can.
-std::string ParameterApply::fault_of(const Row& row, const Found& found) const {
-    if (found.several) return "several parameters have the name " + row.name;
-    if (found.parameter == nullptr) return "unknown parameter " + row.name;
-    if (!found.parameter->type) return row.name + " has an unknown type";
+Fault ParameterApply::fault_of(const Row& row, const Found& found) const {
+    if (found.several) return {"several_parameters", row.name};
+    if (found.parameter == nullptr) return {"unknown_parameter", row.name};
+    if (!found.parameter->type) return {"unknown_type", row.name};
     const ParameterInfo& info = *found.parameter;
     std::vector<std::uint8_t> wire;
-    std::string misfit = format_misfit(append(wire, row.wanted, info), info);
+    Misfit misfit = with_range(append(wire, row.wanted, info), info);
     const Bytes has = parameters_.bytes(info.id);
     const auto before = value_of(has, info);
     const bool differs = value_of(wire, info) != before && !(before && is_same(row.wanted, *before, info));
     if (misfit.empty() && differs) misfit = length_misfit(wire.size(), has.size(), info);
     if (misfit.empty() && differs) misfit = range_misfit(row.wanted, info, options_.text);
     if (misfit.empty() && *info.type == Type::text && differs) misfit = text_misfit(wire.size(), has.size(), options_.text);
-    return misfit.empty() ? misfit : row.name + ": " + to_string(row.wanted) + ' ' + misfit;
+    return misfit.empty() ? misfit : Fault{"value_unfit", row.name, to_string(row.wanted), misfit};
 }
 
 // Determines which rows differ, and whether all rows can be written.
@@ -102,10 +102,10 @@ bool ParameterApply::check(TimePoint now) {
     bool all_can = true;
     for (Row& row : rows_) {
         const Found found = this->found(infos_.size());
-        row.what = fault_of(row, found);
+        row.fault = fault_of(row, found);
         infos_.push_back(found.parameter != nullptr ? *found.parameter : ParameterInfo{});
         if (found.parameter != nullptr) row.before = row.stored = parameters_.value(found.parameter->id);
-        if (!row.what.empty()) {
+        if (!row.fault.empty()) {
             row.state = State::failed;
             all_can = false;
             continue;
@@ -114,25 +114,24 @@ bool ParameterApply::check(TimePoint now) {
     }
     if (all_can) return true;
     why_ = End{Ending::invalid, {}, {}};
-    finish(failure("can't be written"), now);
+    finish(failure("can_not_be_written"), now);
     return false;
 }
 
-// For one failed row its reason, for several their names; `what` of each row has its reason.
-End ParameterApply::failure(const char* operation) const {
-    constexpr std::size_t max_names = 5;
-    std::size_t number = 0;
-    std::string names, what;
+// For one failed row its reason, for several their names; `fault` of each row has its reason.
+End ParameterApply::failure(SeveralId if_several) const {
+    constexpr std::ptrdiff_t max_names = 5;
+    std::ptrdiff_t number = 0;
+    std::string names;
+    End end = *why_;
     for (const Row& row : rows_) {
         if (row.state != State::failed) continue;
-        if (++number == 1) what = row.what;
+        if (++number == 1) end.fault = row.fault;
         if (number <= max_names) names += (number == 1 ? "" : ", ") + row.name;
     }
-    End end = *why_;
-    end.what = std::move(what);
     if (number == 1) return end;
-    end.what = std::to_string(number) + " of " + std::to_string(rows_.size()) + " parameters " + operation + ": " + names;
-    if (number > max_names) end.what += " and " + std::to_string(number - max_names) + " more";
+    Fault list = number > max_names ? Fault{"names_and_more", names, number - max_names} : Fault{"other", names};
+    end.fault = {if_several, number, rows_.size(), std::move(list)};
     return end;
 }
 
@@ -165,9 +164,9 @@ void ParameterApply::row_ended(TimePoint now) {
         repeated_[at_] = true;
         return next(now);
     }
-    if (const std::string restart = format_restart(); ended.ending != Ending::done && !is_of_another() && !restart.empty())
-        ended.what += "; " + restart + ", so what was written before that may be lost";
-    row.what = ended.what;
+    if (Fault because = restart(); ended.ending != Ending::done && !is_of_another() && !because.empty())
+        ended.fault.add({"written_before_lost", std::move(because)});
+    row.fault = ended.fault;
     row.acknowledged = write_->was_acknowledged();
     row.wrongly_acknowledged = !ended.evidence.unfit.empty();
     if (ended.ending != Ending::done) {
@@ -223,7 +222,7 @@ void ParameterApply::written_is_read(TimePoint now) {
     if (again_->end()->ending != Ending::done) return fail(*again_->end(), now);
     if (finds_another()) {
         be_of_another();
-        return fail({Ending::failed, format_another_device(), {}}, now);
+        return fail({Ending::failed, another_device(), {}}, now);
     }
     std::optional<End> failed;
     bool is_one_lost = false;
@@ -238,9 +237,10 @@ void ParameterApply::written_is_read(TimePoint now) {
         }
         row.stored = again_->value(infos_[i].id);
         row.state = State::failed;
-        row.what = hex_of(device().address()) + " has lost " + row.name + " again" +
-                   (row.stored ? ": it is " + to_string(*row.stored) : std::string{});
-        if (!failed) failed = End{Ending::failed, row.what, {}};
+        const std::string who = hex_of(device().address());
+        row.fault = row.stored ? Fault{"lost_again_now", who, row.name, to_string(*row.stored)}
+                               : Fault{"lost_again", who, row.name};
+        if (!failed) failed = End{Ending::failed, row.fault, {}};
     }
     if (failed && (options_.rollback || !options_.goes_on)) return fail(*failed, now);
     if (failed && !why_) why_ = failed;
@@ -250,17 +250,14 @@ void ParameterApply::written_is_read(TimePoint now) {
 }
 
 void ParameterApply::finish_written(TimePoint now) {
-    std::string remark = format_restart();
-    if (lost_ > 0)
-        remark += ": " + std::to_string(lost_) + (lost_ == 1 ? " value was lost and" : " values were lost and") +
-                  " written again";
+    Fault remark = restart();
+    if (lost_ > 0) remark = Fault{"values_lost", remark, lost_};
     const auto is_wrong = [](const Row& row) { return row.state == State::written && row.wrongly_acknowledged; };
     if (const auto first = std::find_if(rows_.begin(), rows_.end(), is_wrong); first != rows_.end()) {
-        remark += (remark.empty() ? "" : "; ") + first->what;
-        if (const auto others = std::count_if(std::next(first), rows_.end(), is_wrong); others > 0)
-            remark += ", and " + std::to_string(others) + (others == 1 ? " other value was too" : " other values were too");
+        const auto others = std::count_if(std::next(first), rows_.end(), is_wrong);
+        remark.add(others > 0 ? Fault{"others_too", first->fault, others} : first->fault);
     }
-    finish(why_ ? failure("were not written") : End{Ending::done, std::move(remark), {}}, now);
+    finish(why_ ? failure("were_not_written") : End{Ending::done, std::move(remark), {}}, now);
 }
 
 // In reverse order, since a parameter may depend on those before it.
@@ -293,7 +290,7 @@ void ParameterApply::undone(TimePoint now) {
 void ParameterApply::undone_is_read(TimePoint now) {
     if (end()) return;
     const bool is_read = again_->end()->ending == Ending::done && !finds_another();
-    if (!is_read) why_->what += "; could not verify that all old values are restored";
+    if (!is_read) why_->fault.add({"not_checked_back"});
     for (std::size_t i = 0; i < rows_.size(); ++i) {
         Row& row = rows_[i];
         if (!is_read && row.state == State::undone) row.state = State::not_undone;
@@ -311,14 +308,14 @@ void ParameterApply::finish_undone(TimePoint now) {
     std::string names;
     for (const Row& row : rows_)
         if (row.state == State::not_undone) names += (names.empty() ? "" : ", ") + row.name;
-    if (!names.empty()) why_->what += "; not undone: " + names;
+    if (!names.empty()) why_->fault.add({"not_undone", names});
     finish(*why_, now);
 }
 
 void ParameterApply::cancel(TimePoint now) {
     if (end()) return;
-    End end{Ending::cancelled, "cancelled after " + std::to_string(at_) + " of " + std::to_string(rows_.size()), {}};
-    if (undoing_) end.what = "cancelled while it was undone";
+    End end{Ending::cancelled, {"cancelled_after", at_, rows_.size()}, {}};
+    if (undoing_) end.fault = {"cancelled_undoing"};
     parameters_.on_end({});
     parameters_.cancel(now);
     if (again_) {
@@ -331,7 +328,7 @@ void ParameterApply::cancel(TimePoint now) {
         const bool is_sent = write_->was_sent() && at_ < rows_.size();
         if (is_sent && !undoing_) {
             rows_[at_].state = State::failed;
-            rows_[at_].what = write_->end()->what;
+            rows_[at_].fault = write_->end()->fault;
         }
         if (is_sent || (undoing_ && at_ < rows_.size())) touched_.push_back(at_);
     }

@@ -102,22 +102,21 @@ AnyValue nearest_value(const AnyValue& value, const ParameterInfo& info) {
 }
 
 Misfit append(std::vector<std::uint8_t>& out, const AnyValue& value, const ParameterInfo& info) {
-    if (!info.type) return "has an unknown type";
+    if (!info.type) return {"has_unknown_type"};
     const auto number = real_in(value);
     if (!info.is_scaled() || !number) return append(out, value, *info.type);
     const double steps = *number * info.mul, whole = std::round(steps);
-    if (!(std::abs(whole) <= std::numeric_limits<std::int32_t>::max())) return "is out of range";
-    if (std::abs(steps - whole) > max_step_part) return "is not a multiple";
+    if (!(std::abs(whole) <= std::numeric_limits<std::int32_t>::max())) return {"out_of_range"};
+    if (std::abs(steps - whole) > max_step_part) return {"not_a_multiple"};
     return append(out, AnyValue{static_cast<std::int64_t>(whole)}, *info.type);
 }
 
-std::string format_misfit(Misfit misfit, const ParameterInfo& info) {
-    if (misfit.empty() || !info.type) return std::string{misfit};
-    if (!info.is_scaled()) return format_misfit(misfit, *info.type);
-    if (misfit == "is not a multiple") return "is not a multiple of " + shortest(1.0 / info.mul);
-    if (misfit != "is out of range") return std::string{misfit};
-    const std::string most = shortest(double{std::numeric_limits<std::int32_t>::max()} / info.mul);
-    return "is out of range, -" + most + " to " + most;
+Misfit with_range(const Misfit& misfit, const ParameterInfo& info) {
+    if (misfit.empty() || !info.type) return misfit;
+    if (!info.is_scaled()) return with_range(misfit, *info.type);
+    if (misfit.is("not_a_multiple")) return {"not_a_multiple_of", shortest(1.0 / info.mul)};
+    if (!misfit.is("out_of_range")) return misfit;
+    return {"out_of_scale", shortest(double{std::numeric_limits<std::int32_t>::max()} / info.mul)};
 }
 
 bool same_bytes(const AnyValue& a, const AnyValue& b, const ParameterInfo& info) {
@@ -125,10 +124,9 @@ bool same_bytes(const AnyValue& a, const AnyValue& b, const ParameterInfo& info)
     return append(of_a, a, info).empty() && append(of_b, b, info).empty() && of_a == of_b;
 }
 
-std::string length_misfit(std::size_t size, std::size_t had, const ParameterInfo& info) {
+Misfit length_misfit(std::size_t size, std::size_t had, const ParameterInfo& info) {
     if (!info.type || *info.type == Type::text || size == had) return {};
-    return "would be written as " + std::to_string(size) + (size == 1 ? " byte" : " bytes") + ", and the device sends " +
-           std::to_string(had) + ": its description does not fit its value";
+    return {"other_length", size, had};
 }
 
 std::string unreadable_value(Bytes value, const ParameterInfo& info) {

@@ -14,23 +14,21 @@ namespace ano::host {
 
 namespace {
 
-constexpr std::string_view not_accepted = "it probably does not accept this value, or is read-only";
+constexpr FaultId<> not_accepted{"accepts_no_such_value"};
 
-std::string fault_of(const Evidence& silence) {
-    if (silence.unfit.empty()) return "not acknowledged";
-    return "acknowledged with wrong check bytes (" + spaced_hex(silence.unfit) + ')';
+Fault fault_of(const Evidence& silence) {
+    if (silence.unfit.empty()) return {"without_acknowledgement"};
+    return {"with_wrong_check_bytes", spaced_hex(silence.unfit)};
 }
 
 }    // namespace
 
-std::string text_misfit(std::size_t size, std::size_t had, const WriteLimits& limits) {
-    if (limits.max_bytes && size > *limits.max_bytes) return "is longer than " + std::to_string(*limits.max_bytes) + " bytes";
-    if (size <= had || limits.longer) return {};
-    return "is longer than the " + std::to_string(had) + (had == 1 ? " byte" : " bytes") +
-           " that the device has: a longer one must be allowed (longer)";
+Misfit text_misfit(std::size_t size, std::size_t had, const WriteLimits& limits) {
+    if (limits.max_bytes && size > *limits.max_bytes) return {"longer_than_possible", *limits.max_bytes};
+    return size <= had || limits.longer ? Misfit{} : Misfit{"longer_than_before", had};
 }
 
-std::string range_misfit(const AnyValue& value, const ParameterInfo& info, const WriteLimits& limits) {
+Misfit range_misfit(const AnyValue& value, const ParameterInfo& info, const WriteLimits& limits) {
     if (!info.limits || limits.beyond_range || info.limits->min >= info.limits->max)
         return {};    // min >= max: no range is
                       // stated
@@ -40,23 +38,22 @@ std::string range_misfit(const AnyValue& value, const ParameterInfo& info, const
     };
     const auto number = std::visit(as_real, value);
     if (!number || (*number >= info.limits->min && *number <= info.limits->max)) return {};
-    return "is out of range, the device states " + std::to_string(info.limits->min) + " to " + std::to_string(info.limits->max) +
-           ": a value beyond it must be allowed (force)";
+    return {"out_of_stated_range", info.limits->min, info.limits->max};
 }
 
 ParameterWrite::ParameterWrite(Device& device, ParameterInfo info, AnyValue value, WriteLimits limits)
     : Task{device}, info_{std::move(info)}, value_{std::move(value)}, limits_{limits} {}
 
-void ParameterWrite::refuse(const std::string& why, TimePoint now) {
-    finish({Ending::invalid, info_.name + ": " + to_string(value_) + ' ' + why, {}}, now);
+void ParameterWrite::refuse(const Misfit& why, TimePoint now) {
+    finish({Ending::invalid, {"value_unfit", info_.name, to_string(value_), why}, {}}, now);
 }
 
 void ParameterWrite::start(TimePoint now) {
-    if (!info_.type) return finish({Ending::unsupported, info_.name + " has an unknown type", {}}, now);
+    if (!info_.type) return finish({Ending::unsupported, {"unknown_type", info_.name}, {}}, now);
     const Misfit misfit = append(wire_, value_, info_);
-    if (!misfit.empty()) return refuse(format_misfit(misfit, info_), now);
-    if (const std::string beyond = range_misfit(value_, info_, limits_); !beyond.empty()) return refuse(beyond, now);
-    const std::string too_long = *info_.type == Type::text ? text_misfit(wire_.size(), wire_.size(), limits_) : "";
+    if (!misfit.empty()) return refuse(with_range(misfit, info_), now);
+    if (const Misfit beyond = range_misfit(value_, info_, limits_); !beyond.empty()) return refuse(beyond, now);
+    const Misfit too_long = *info_.type == Type::text ? text_misfit(wire_.size(), wire_.size(), limits_) : Misfit{};
     if (!too_long.empty()) return refuse(too_long, now);
     if (!doubts_) doubts_ = device().doubts();
     count_ = device().parameter_count();
@@ -75,7 +72,7 @@ void ParameterWrite::go_on(TimePoint now) {
     const auto count = device().parameter_count();
     if (!count) return ask(question::parameter_count(ask_count), now);
     if (info_.id >= *count && !device().is_asked_by_number())
-        return finish({Ending::invalid, hex_of(device().address()) + " has no parameter " + std::to_string(info_.id), {}}, now);
+        return finish({Ending::invalid, {"no_parameter", hex_of(device().address()), info_.id}, {}}, now);
     if (device().doubts() != doubts_) return ask_description(now);
     if (step_ == write_value) return write(now);
     ask(question::parameter_value(info_.id, step_), now);
@@ -91,7 +88,7 @@ void ParameterWrite::ask_description(TimePoint now) {
 void ParameterWrite::described(const Ended& ended, TimePoint now) {
     const auto info = parameter_info_in(*ended.answer, info_.layout);
     if (!info || info->name != info_.name || info->type != info_.type || info->mul != info_.mul)
-        return finish_another(was_sent_ ? order() : std::string{}, now);
+        return finish_another(was_sent_ ? order() : Fault{}, now);
     doubts_ = device().doubts();
     go_on(now);
 }
@@ -105,20 +102,20 @@ void ParameterWrite::ended(const Ended& ended, TimePoint now) {
     const bool is_compared = ended.tag == recount || ended.tag == describe;
     if (is_compared && !answered && silence_) return finish_not_returned(ended, now);
     switch (ended.tag) {
-    case ask_count: return answered ? go_on(now) : finish_silent("number of parameters", ended.evidence, now);
+    case ask_count: return answered ? go_on(now) : finish_silent({"number_of_parameters"}, ended.evidence, now);
     case recount:
-        if (!answered) return finish_silent("number of parameters", ended.evidence, now);
-        if (count_ && device().parameter_count() != count_) return finish_another(was_sent_ ? order() : std::string{}, now);
+        if (!answered) return finish_silent({"number_of_parameters"}, ended.evidence, now);
+        if (count_ && device().parameter_count() != count_) return finish_another(was_sent_ ? order() : Fault{}, now);
         if (device().is_asked_by_number()) {    // nothing describes it
             doubts_ = device().doubts();
             return go_on(now);
         }
         return ask(question::parameter_info(info_.id, describe), now);
-    case describe: return answered ? described(ended, now) : finish_silent("description of " + info_.name, ended.evidence, now);
+    case describe: return answered ? described(ended, now) : finish_silent({"description_of", info_.name}, ended.evidence, now);
     case write_value: return written(ended, now);
     default:
         if (answered) return took(ended, now);
-        if (ended.tag == read_before) return finish_silent("value of " + info_.name, ended.evidence, now);
+        if (ended.tag == read_before) return finish_silent({"value_of", info_.name}, ended.evidence, now);
         finish_not_returned(ended, now);
     }
 }
@@ -166,18 +163,14 @@ void ParameterWrite::both_ended(TimePoint now) {
 }
 
 void ParameterWrite::finish_not_returned(const Ended& ended, TimePoint now) {
-    if (silence_) return finish_unacknowledged("write of " + info_.name + ", which may be done", *silence_, now, not_accepted);
-    finish(
-        {Ending::refused, hex_of(device().address()) + " acknowledged " + info_.name + " but does not return it", ended.evidence},
-        now);
+    if (silence_) return finish_unacknowledged({"uncertain_write_of", info_.name}, *silence_, now, {not_accepted});
+    finish({Ending::refused, {"not_returned", hex_of(device().address()), info_.name}, ended.evidence}, now);
 }
 
 void ParameterWrite::took(const Ended& ended, TimePoint now) {
     const Bytes value = as<"parameter_value">(*ended.answer)->get<"value">();
     if (*info_.type != Type::text && !is_whole_value(value.size(), info_.type))
-        return finish(
-            {Ending::failed, hex_of(device().address()) + " returns " + info_.name + " shorter than its type", ended.evidence},
-            now);
+        return finish({Ending::failed, {"shorter_than_type", hex_of(device().address()), info_.name}, ended.evidence}, now);
     auto& kept = ended.tag == read_before ? before_ : stored_;
     kept.emplace(value.begin(), value.end());
     if (ended.tag == read_before) return ask_value(write_value, now);
@@ -193,10 +186,10 @@ void ParameterWrite::write(TimePoint now) {
     Wire value = wire_;
     if (*info_.type == Type::text) {
         const std::size_t had = before_->size();
-        if (const std::string too_long = text_misfit(value.size(), had, limits_); !too_long.empty()) return refuse(too_long, now);
+        if (const Misfit too_long = text_misfit(value.size(), had, limits_); !too_long.empty()) return refuse(too_long, now);
         value.resize(std::max({value.size(), std::min(had, limits_.max_bytes.value_or(had)), std::size_t{1}}));
     }
-    if (const std::string other_length = length_misfit(value.size(), before_->size(), info_); !other_length.empty())
+    if (const Misfit other_length = length_misfit(value.size(), before_->size(), info_); !other_length.empty())
         return refuse(other_length, now);
     was_sent_ = true;
     write_ended_ = early_ended_ = false;
@@ -210,29 +203,22 @@ void ParameterWrite::write(TimePoint now) {
 void ParameterWrite::compare(TimePoint now) {
     if (is_as_written())
         return finish(
-            {Ending::done,
-             silence_ ? info_.name + " is written, but was " + fault_of(*silence_) : format_port_answer(acknowledgement_),
+            {Ending::done, silence_ ? Fault{"written_but", info_.name, fault_of(*silence_)} : port_answer(acknowledgement_),
              silence_.value_or(acknowledgement_)},
             now);
-    if (same(*stored_, *before_) && silence_)
-        return finish_unacknowledged("write of " + info_.name, *silence_, now, not_accepted);
+    if (same(*stored_, *before_) && silence_) return finish_unacknowledged(order(), *silence_, now, {not_accepted});
     if (same(*stored_, *before_))
         return finish({Ending::refused,
-                       hex_of(device().address()) + " keeps " + info_.name + " at " + to_string(before().value_or(value_)),
+                       {"keeps_old_value", hex_of(device().address()), info_.name, to_string(before().value_or(value_))},
                        {}},
                       now);
     if ((silence_ || was_repeated_) && !std::exchange(is_compared_, true)) {
         device().doubt();
         return ask_value(read_again, now);
     }
-    const std::string has = info_.name + " is " + to_string(stored().value_or(value_));
-    if (silence_)
-        return finish({Ending::timeout,
-                       has + ", which is neither the old nor the new value, and the write was " + fault_of(*silence_) +
-                           ": it may be another device",
-                       *silence_},
-                      now);
-    finish({Ending::done, has + ": the device limited it", {}}, now);
+    const std::string has = to_string(stored().value_or(value_));
+    if (silence_) return finish({Ending::timeout, {"neither_value", info_.name, has, fault_of(*silence_)}, *silence_}, now);
+    finish({Ending::done, {"device_limited", info_.name, has}, {}}, now);
 }
 
 // Bytes beyond the size of the type, or after the NUL of a text, are ignored.
@@ -257,7 +243,7 @@ bool ParameterWrite::is_as_written() const {
 std::optional<AnyValue> ParameterWrite::decoded(const Wire& bytes) const { return value_of(bytes, info_); }
 
 void ParameterWrite::cancel(TimePoint now) {
-    finish({Ending::cancelled, was_sent() ? info_.name + " may have been written" : info_.name + " was not written", {}}, now);
+    finish({Ending::cancelled, was_sent() ? Fault{"may_be_written", info_.name} : Fault{"not_written", info_.name}, {}}, now);
 }
 
 Request action(Action action, std::uint32_t tag) {
@@ -268,25 +254,15 @@ Request action(Action action, std::uint32_t tag) {
     return request(draft, tag, Patience{.sends = has_effects ? 2u : 5u, .wait = std::chrono::seconds{5}});
 }
 
-std::string ParameterAction::order() const {
-    return std::string{
-        Draft<"parameter_command", "action">::message().field("val")->meaning(static_cast<std::uint64_t>(action_))};
+Fault ParameterAction::order() const {
+    return {"other", Draft<"parameter_command", "action">::message().field("val")->meaning(static_cast<std::uint64_t>(action_))};
 }
 
 void ParameterAction::ended(const Ended& ended, TimePoint now) {
-    if (ended.outcome == Outcome::answered)
-        return finish({Ending::done, format_port_answer(ended.evidence), ended.evidence}, now);
-    const Message& row = Draft<"parameter_command", "action">::message();
-    finish_unacknowledged(row.field("val")->meaning(static_cast<std::uint64_t>(action_)), ended.evidence, now,
-                          "it probably can't do that, or not now");
+    if (ended.outcome == Outcome::answered) return finish({Ending::done, port_answer(ended.evidence), ended.evidence}, now);
+    finish_unacknowledged(order(), ended.evidence, now, {"cannot_do"});
 }
 
-void ParameterAction::cancel(TimePoint now) {
-    const Message& row = Draft<"parameter_command", "action">::message();
-    finish({Ending::cancelled,
-            std::string{row.field("val")->meaning(static_cast<std::uint64_t>(action_))} + " may have been carried out",
-            {}},
-           now);
-}
+void ParameterAction::cancel(TimePoint now) { finish({Ending::cancelled, {"may_be_carried_out", order()}, {}}, now); }
 
 }    // namespace ano::host

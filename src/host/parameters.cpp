@@ -56,16 +56,14 @@ void Parameters::step_ended(const Ended& ended, TimePoint now) {
     const bool answered = ended.outcome == Outcome::answered;
     switch (ended.tag) {
     case ask_info:
-        if (!answered) return finish_without_info("device info", ended.evidence, now);
+        if (!answered) return finish_without_info({"device_info"}, ended.evidence, now);
         return ask(question::parameter_count(ask_count), now);
     case ask_count:
         if (!answered)
-            return finish(
-                {Ending::unsupported, hex_of(device().address()) + " does not report how many parameters it has", ended.evidence},
-                now);
+            return finish({Ending::unsupported, {"no_parameter_count", hex_of(device().address())}, ended.evidence}, now);
         return counted(now);
     default:
-        if (!answered) return finish_silent("number of parameters", ended.evidence, now);
+        if (!answered) return finish_silent({"number_of_parameters"}, ended.evidence, now);
         return counted_again(now);
     }
 }
@@ -213,9 +211,8 @@ void Parameters::counted_again(TimePoint now) {
     const bool changed = has_changed() || differs_;
     const auto lacking = changed ? std::nullopt : first_lacking();
     if (!started_again_ && (changed || (lacking && from_cache_))) return read_again(now);
-    if (changed) return finish({Ending::failed, hex_of(device().address()) + " changes while its parameters are read", {}}, now);
-    if (lacking)
-        return finish({Ending::incomplete, "parameter " + std::to_string(*lacking) + " was not received completely", {}}, now);
+    if (changed) return finish({Ending::failed, {"changes", hex_of(device().address()), Fault{"parameters"}}, {}}, now);
+    if (lacking) return finish({Ending::incomplete, {"parameter_incomplete", *lacking}, {}}, now);
     if (cache_ != nullptr && !from_cache_ && !is_unlisted())
         cache_->store({device().address(), presence_, *device().info(), *count_}, descriptions_, signs_);
     finish({}, now);

@@ -26,11 +26,10 @@ std::string RestartWatch::silence_at_begin() const {
     return gap_ && longest_since_ - begun_ <= max_gap ? length_of_gap(*gap_) : std::string{};
 }
 
-std::optional<std::string> RestartWatch::sign(const Device& device) const {
-    if (gap_) return "no samples for " + length_of_gap(*gap_);
-    if (device.announcements() != announcements_) return "it sent its device info unasked";
-    if (device.presence() != presence_) return "its device info has changed";
-    return std::nullopt;
+Fault RestartWatch::sign(const Device& device) const {
+    if (gap_) return {"no_samples_for", length_of_gap(*gap_)};
+    if (device.announcements() != announcements_) return {"info_unasked"};
+    return device.presence() != presence_ ? Fault{"info_changed"} : Fault{};
 }
 
 }    // namespace ano::host

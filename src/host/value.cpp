@@ -17,12 +17,14 @@ constexpr Field plain(Type type) noexcept {
     return field;
 }
 
+using Range = std::pair<std::string, std::string>;    // the least and the largest value
+
 template <class T>
-std::string whole_range() {
-    return std::to_string(std::numeric_limits<T>::min()) + " to " + std::to_string(std::numeric_limits<T>::max());
+Range whole_range() {
+    return {std::to_string(std::numeric_limits<T>::min()), std::to_string(std::numeric_limits<T>::max())};
 }
 
-std::string range_of(Type type) {
+Range range_of(Type type) {
     switch (type) {
     case Type::u8: return whole_range<std::uint8_t>();
     case Type::i8: return whole_range<std::int8_t>();
@@ -32,8 +34,8 @@ std::string range_of(Type type) {
     case Type::i32: return whole_range<std::int32_t>();
     case Type::u64: return whole_range<std::uint64_t>();
     case Type::i64: return whole_range<std::int64_t>();
-    case Type::f32: return "-3.4e38 to 3.4e38";
-    default: return "-1.8e308 to 1.8e308";
+    case Type::f32: return {"-3.4e38", "3.4e38"};
+    default: return {"-1.8e308", "1.8e308"};
     }
 }
 
@@ -65,29 +67,29 @@ std::uint32_t narrow_nan(double nan) noexcept {
 Misfit append(std::vector<std::uint8_t>& out, const AnyValue& value, Type type) {
     if (type == Type::text) {
         const auto* text = std::get_if<std::string>(&value);
-        if (text == nullptr) return "is not a text";
-        if (text->find('\0') != std::string::npos) return "has a NUL in it";
+        if (text == nullptr) return {"not_a_text"};
+        if (text->find('\0') != std::string::npos) return {"has_a_nul"};
         out.insert(out.end(), text->begin(), text->end());
         return {};
     }
     const auto number = number_in(value);
-    if (!number) return "is not a number";
+    if (!number) return {"not_a_number"};
     std::array<std::uint8_t, 8> wire{};
     const auto* const real = std::get_if<double>(&*number);
     if (type == Type::f32 && real != nullptr && std::isnan(*real)) store(wire.data(), narrow_nan(*real));
     else switch (store_number(plain(type), *number, wire.data())) {
-        case Stored::out_of_range: return "is out of range";
-        case Stored::not_whole: return "is not whole";
+        case Stored::out_of_range: return {"out_of_range"};
+        case Stored::not_whole: return {"not_whole"};
         case Stored::ok: break;
         }
     out.insert(out.end(), wire.begin(), wire.begin() + static_cast<std::ptrdiff_t>(width(type)));
     return {};
 }
 
-std::string format_misfit(Misfit misfit, Type type) {
-    std::string words{misfit};
-    if (!misfit.empty() && is_number(type)) words.append(", ").append(name_of(type)).append(" is ").append(range_of(type));
-    return words;
+Misfit with_range(const Misfit& misfit, Type type) {
+    if (misfit.empty() || !is_number(type)) return misfit;
+    const auto [min, max] = range_of(type);
+    return {"out_of_type", misfit, name_of(type), min, max};
 }
 
 std::optional<AnyValue> value_of(Bytes bytes, Type type) {

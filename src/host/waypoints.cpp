@@ -70,26 +70,22 @@ bool WaypointsGet::took(std::uint32_t i, FrameView answer) {
 
 void WaypointsGet::step_ended(const Ended& ended, TimePoint now) {
     if (ended.outcome != Outcome::answered)
-        return finish_silent("number of waypoints", ended.evidence, now, "it probably stores none");
+        return finish_silent({"number_of_waypoints"}, ended.evidence, now, {"probably_stores_none"});
     const std::size_t count = std::min(as<"waypoint_read">(*ended.answer)->get<"num">(), all_of_them);
     if (ended.tag == ask_count) {
         waypoints_.assign(count, {});
         return gather(count, now);
     }
     if (count != waypoints_.size())
-        return finish({Ending::failed, hex_of(device().address()) + " changes while its waypoints are read", {}}, now);
-    if (!missing().empty())
-        return finish({Ending::incomplete, "waypoint " + std::to_string(missing().front()) + " was not received", {}}, now);
+        return finish({Ending::failed, {"changes", hex_of(device().address()), Fault{"waypoints"}}, {}}, now);
+    if (!missing().empty()) return finish({Ending::incomplete, {"waypoint_missing", missing().front()}, {}}, now);
     finish({}, now);
 }
 
 void WaypointsPut::start(TimePoint now) {
     for (const Waypoint& waypoint : waypoints_) {
         auto request = waypoint_write(waypoint, write);
-        if (!request)
-            return finish(
-                {Ending::invalid, "waypoint " + std::to_string(waypoint.num) + " is not a valid position, or has no number", {}},
-                now);
+        if (!request) return finish({Ending::invalid, {"waypoint_invalid", waypoint.num}, {}}, now);
         request->patience.sends = 3;    // then it is read back
         request->patience.late = std::chrono::milliseconds{3500};
         writes_.push_back(std::move(*request));
@@ -119,7 +115,7 @@ void WaypointsPut::ended(const Ended& ended, TimePoint now) {
     case read_back: return was_read_back(ended, now);
     default:
         if (ended.outcome != Outcome::answered)
-            return finish_silent("number of waypoints", ended.evidence, now, "it probably stores none");
+            return finish_silent({"number_of_waypoints"}, ended.evidence, now, {"probably_stores_none"});
         counted(as<"waypoint_read">(*ended.answer)->get<"num">(), now);
     }
 }
@@ -151,13 +147,10 @@ void WaypointsPut::was_read_back(const Ended& ended, TimePoint now) {
         if (stored) ++mismatches_;
         silence_.is_heard = silence_.is_heard || stored;
         if (mismatches_ < 2 && now - *begun_at_ < patience) return write_it(now);
-        return finish_unacknowledged("write of " + number(), silence_, now, "it probably stores no more, or none");
+        return finish_unacknowledged(order(), silence_, now, {"stores_no_more"});
     }
     if (!stored && now - acknowledged_at_ < patience) return ask_patiently(now);
-    if (!stored)
-        return finish({Ending::refused, hex_of(device().address()) + " acknowledged " + number() + " but does not return it",
-                       ended.evidence},
-                      now);
+    if (!stored) return finish({Ending::refused, {"not_returned", hex_of(device().address()), number()}, ended.evidence}, now);
     // The device may have restarted with its old list between the write and this answer.
     if (!is_as_written && !std::exchange(is_written_again_, true)) return write_it(now);
     stored_.push_back(*stored);
@@ -180,15 +173,13 @@ std::size_t WaypointsPut::wanted_count() const {
 }
 
 void WaypointsPut::finish_stored(TimePoint now) {
-    std::string remark;
-    const auto add = [&](const std::string& clause) { remark += (remark.empty() ? "" : ", and ") + clause; };
-    if (!changed_.empty()) add(std::to_string(changed_.size()) + " of them were stored differently (" + list_of(changed_) + ")");
-    if (unacknowledged_ > 0) add(std::to_string(unacknowledged_) + " of them were not acknowledged but are stored");
-    if (wrongly_acknowledged_ > 0)
-        add(std::to_string(wrongly_acknowledged_) + " of them were acknowledged with wrong check bytes but are stored");
+    Fault remark;
+    const auto add = [&](Fault clause) { remark = remark.empty() ? std::move(clause) : Fault{"and", remark, std::move(clause)}; };
+    if (!changed_.empty()) add({"stored_differently", changed_.size(), list_of(changed_)});
+    if (unacknowledged_ > 0) add({"stored_unacknowledged", unacknowledged_});
+    if (wrongly_acknowledged_ > 0) add({"stored_wrongly_acknowledged", wrongly_acknowledged_});
     if (const std::size_t wanted = wanted_count(); count_ > wanted)
-        add(hex_of(device().address()) + " has " + std::to_string(count_) + ", the last " + std::to_string(count_ - wanted) +
-            " are its old ones");
+        add({"old_waypoints", hex_of(device().address()), count_, count_ - wanted});
     finish({Ending::done, std::move(remark), {}}, now);
 }
 
@@ -221,22 +212,16 @@ void WaypointsPut::looked(TimePoint now) {
     if (finds_another()) return finish_another({}, now);
     // A waypoint stored with another value may also be from the old list, read back after the restart.
     at_ = last.size() - changed_.size();
-    if (is_lost)
-        return finish(
-            {Ending::failed, who + " did not keep these waypoints (it has probably restarted): " + list_of(changed_), {}}, now);
+    if (is_lost) return finish({Ending::failed, {"waypoints_lost", who, list_of(changed_)}, {}}, now);
     if (may_have_restarted_ && looked != Ending::done) return finish_as(*look_, now);
-    if (!changed_.empty() && at_ == 0)
-        return finish(
-            {Ending::failed, who + " acknowledged all waypoints but stored none of them as written: " + list_of(changed_), {}},
-            now);
+    if (!changed_.empty() && at_ == 0) return finish({Ending::failed, {"waypoints_not_stored", who, list_of(changed_)}, {}}, now);
     at_ = waypoints_.size();
     finish_stored(now);
 }
 
 void WaypointsPut::cancel(TimePoint now) {
     look_.reset();
-    finish({Ending::cancelled, std::to_string(at_) + " of " + std::to_string(waypoints_.size()) + " waypoints are written", {}},
-           now);
+    finish({Ending::cancelled, {"waypoints_written", at_, waypoints_.size()}, {}}, now);
 }
 
 }    // namespace ano::host

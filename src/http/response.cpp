@@ -54,6 +54,18 @@ std::string json_text(std::string_view words) {
     return text + '"';
 }
 
+// As ano::add_fault() adds it.
+std::string id_text(const ano::Fault& fault) {
+    const auto value = [](const ano::Fault::Argument& argument) {
+        return argument.fault.empty() ? json_text(argument.text) : '{' + id_text(argument.fault.front()) + '}';
+    };
+    const ano::ArgumentNames names = fault.names();
+    std::string text = "\"error_id\": " + json_text(fault.id()) + ", \"error_args\": {";
+    for (std::size_t i = 0; i < names.number; ++i)
+        text += (i > 0 ? ", " : "") + json_text(names.all[i]) + ": " + value(fault.arguments()[i]);
+    return text + '}';
+}
+
 void add(std::string& head, std::string_view name, std::string_view value) {
     head.append(name).append(": ").append(value).append("\r\n");
 }
@@ -80,12 +92,17 @@ std::string_view what_of(unsigned status) noexcept {
     }
 }
 
-Response error(unsigned status, std::string_view words) {
+Response error(unsigned status, const ano::Fault& fault) {
     Response response;
     response.status = status;
-    response.body = "{\"error\": " + json_text(words) + ", \"what\": " + json_text(what_of(status)) + "}\n";
+    response.body = "{\"error\": " + json_text(fault.text()) + ", " + id_text(fault) +
+                    ", \"what\": " + json_text(what_of(status)) + "}\n";
     return response;
 }
+
+Response error(const ano::Fault& fault) { return error(fault.status(), fault); }
+
+Response error(unsigned status, std::string_view words) { return error(status, ano::Fault{"other", words}); }
 
 Response needs_token(std::string_view words) {
     Response response = error(401, std::string{words} + "; see the gateway's token file (control.token_file)");
@@ -93,11 +110,13 @@ Response needs_token(std::string_view words) {
     return response;
 }
 
-Response try_again(std::string_view words) {
-    Response response = error(503, words);
+Response try_again(const ano::Fault& fault) {
+    Response response = error(503, fault);
     response.headers.push_back(retry_after());
     return response;
 }
+
+Response try_again(std::string_view words) { return try_again(ano::Fault{"other", words}); }
 
 Field retry_after() { return {"Retry-After", "1"}; }
 

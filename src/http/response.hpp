@@ -1,5 +1,6 @@
 // The answer to a request: a text, a stream of parts, or a WebSocket.
 #pragma once
+#include <ano/fault.hpp>
 #include <http/producer.hpp>
 #include <http/request.hpp>
 #include <http/web_socket.hpp>
@@ -41,7 +42,11 @@ struct Response {
 /// The meaning of a status as a word for programs: "invalid", "refused", "unknown", "busy", "timeout" or "unsupported".
 std::string_view what_of(unsigned status) noexcept;
 
-/// {"error": words, "what": what_of(status)}
+/// {"error": its text, "error_id": its id, "error_args": its arguments, "what": what_of(status)}
+Response error(unsigned status, const ano::Fault& fault);
+/// With the status of its row.
+Response error(const ano::Fault& fault);
+/// With a text that has no id of its own.
 Response error(unsigned status, std::string_view words);
 
 /// 401: a token is missing, or the one sent is not sufficient.
@@ -49,6 +54,7 @@ Response needs_token(std::string_view words);
 
 /// 503: the client may repeat the request after a second.
 Response try_again(std::string_view words);
+Response try_again(const ano::Fault& fault);
 /// The header Retry-After for that.
 Field retry_after();
 

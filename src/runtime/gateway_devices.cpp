@@ -174,7 +174,7 @@ std::string GatewayDevices::scan(const std::function<void(const std::string&)>& 
     };
     const auto begun = service_.begin(std::move(order), gateway_.now());
     const auto* const refused = std::get_if<NotBegun>(&begun);
-    return refused ? refused->error : std::string{};
+    return refused ? refused->fault.text() : std::string{};
 }
 
 // To be called before the loop runs.
@@ -285,8 +285,8 @@ void GatewayDevices::own_answer(ano::FrameView frame) {
 
 void GatewayDevices::own_refusal(const std::string& why) {
     if (!listens_) return;
-    if (sends_) refusal_.why = why;
-    else service_.refuse(gateway_.settings().gateway.id, why, gateway_.now());
+    if (sends_) refusal_.why = {"other", why};
+    else service_.refuse(gateway_.settings().gateway.id, {"other", why}, gateway_.now());
 }
 
 bool GatewayDevices::may_have_waited(ano::TimePoint came_at) {
@@ -296,11 +296,10 @@ bool GatewayDevices::may_have_waited(ano::TimePoint came_at) {
 
 Unsent GatewayDevices::send(ano::FrameView frame) {
     ControlLink* const link = gateway_.control();
-    if (!link) return {std::string{no_control_link}};
+    if (!link) return {{"other", no_control_link}};
     if (frame.destination() == gateway_.settings().gateway.id) {
-        if (!is_device(gateway_.settings().gateway)) return {ano::hex_byte(frame.destination()) + " is the gateway itself"};
-        if (ano::is_control(frame) && !gateway_.settings().control.manage)
-            return {"the control interface is not allowed to manage the gateway (control.manage)"};
+        if (!is_device(gateway_.settings().gateway)) return {{"gateway_itself", ano::hex_byte(frame.destination())}};
+        if (ano::is_control(frame) && !gateway_.settings().control.manage) return {{"may_not_manage"}};
     }
     was_accepted_ = false;
     left_by_[frame.destination()].clear();
@@ -332,15 +331,14 @@ void GatewayDevices::report_lost() {
 }
 
 Unsent GatewayDevices::unsent(const Lost& lost) const {
-    std::string link = "a link that was removed";
+    ano::Fault link{"removed_link"};
     for (const LinkState& state : gateway_.links())
-        if (state.link->id() == lost.link) link = "the link '" + state.link->name() + "'";
-    if (!lost.refusal.empty()) return {"not sent: refused by the rules of V7 of " + link + ": " + std::string{lost.refusal}};
-    if (lost.cause == &SendCounters::stale)
-        return {"not sent: it waited too long in the queue of " + link + ", which is too slow", true};
-    if (lost.cause == &SendCounters::queue_full) return {"not sent: the queue of " + link + " is full", true};
-    if (lost.cause == &SendCounters::link_down) return {"not sent: " + link + " is down", true};
-    return {"not sent: " + link + " could not send it", !is_for_good(lost.cause)};
+        if (state.link->id() == lost.link) link = {"link_named", state.link->name()};
+    if (!lost.refusal.empty()) return {{"no_v7_frame", link, lost.refusal}};
+    if (lost.cause == &SendCounters::stale) return {{"too_old", link}, true};
+    if (lost.cause == &SendCounters::queue_full) return {{"queue_full", link}, true};
+    if (lost.cause == &SendCounters::link_down) return {{"link_down", link}, true};
+    return {{"send_failed", link}, !is_for_good(lost.cause)};
 }
 
 ano::Flush GatewayDevices::flush_parser(ano::FrameView next) {
@@ -355,8 +353,8 @@ bool GatewayDevices::is_waiting(std::uint8_t address) {
 }
 
 // Bytes in the driver count as not sent.
-std::string GatewayDevices::accepts_nothing(std::uint8_t address) {
-    std::string why;
+ano::Fault GatewayDevices::accepts_nothing(std::uint8_t address) {
+    ano::Fault why;
     for (const LinkState& state : gateway_.links()) {
         const KernelQueue* const queue = state.link->as<KernelQueue>();
         for (const ChannelId id : left_by_[address] & gateway_.forwarder().traffic(state.link->id()).channels) {
@@ -365,8 +363,7 @@ std::string GatewayDevices::accepts_nothing(std::uint8_t address) {
             const std::size_t held = queue && state.up ? queue->unsent() : 0;
             const bool waits = channel.waiting() > 0 || held > 0;
             if (!drains_[index(id)].accepts_nothing(sent.bytes_out + sent.flush_bytes - held, waits, gateway_.time())) continue;
-            why = "the link '" + state.link->name() +
-                  "' has sent nothing for more than 3 s: the device, or its flow control, takes nothing";
+            why = {"link_takes_nothing", ano::Fault{"link_named", state.link->name()}};
         }
     }
     return why;
@@ -422,20 +419,19 @@ void GatewayDevices::discarded(const Channel& to, ano::FrameView frame, SendCaus
 void GatewayDevices::dropped(const Channel& from, ano::FrameView frame, ReceiveCause cause) {
     if (!sends_ || from.id != ourselves) return;
     if (cause == &ReceiveCounters::no_route && ano::intent_of(frame) == ano::Intent::acts)
-        refusal_.why = not_routed(frame.destination()).text;
+        refusal_.why = {"other", not_routed(frame.destination()).text};
     if (!is_for_good(cause)) return;
-    refusal_.why = cause == &ReceiveCounters::inhibited ? "blocked by a GPIO switch that inhibits the link 'control'"
-                                                        : "refused by the rules 'control.receive'";
+    refusal_.why = cause == &ReceiveCounters::inhibited ? ano::Fault{"control_inhibited"} : ano::Fault{"control_forbids"};
 }
 
 void GatewayDevices::refused(LinkId to, ano::FrameView, SendCause cause) {
     if (!sends_) return;
-    const std::string& name = gateway_.link(to).name();
-    if (cause == &SendCounters::link_down) refusal_ = {"not sent: the link '" + name + "' is down", true};
+    const ano::Fault link{"link_named", gateway_.link(to).name()};
+    if (cause == &SendCounters::link_down) refusal_ = {{"link_down", link}, true};
     if (!is_for_good(cause)) return;
-    refusal_.why = cause == &SendCounters::too_big         ? "more DATA than the link '" + name + "' can carry"
-                   : gateway_.forwarder().is_exclusive(to) ? "a terminal uses the link '" + name + "' exclusively"
-                                                           : "refused by the rules 'send' of the link '" + name + "'";
+    refusal_.why = cause == &SendCounters::too_big         ? ano::Fault{"link_too_short", link}
+                   : gateway_.forwarder().is_exclusive(to) ? ano::Fault{"link_exclusive", link}
+                                                           : ano::Fault{"link_forbids", link};
 }
 
 std::vector<HeardAddress> GatewayDevices::heard(ano::TimePoint now) {

@@ -37,7 +37,7 @@ public:
     Unsent send(ano::FrameView frame) override;
     ano::Flush flush_parser(ano::FrameView next) override;
     bool is_waiting(std::uint8_t address) override;
-    std::string accepts_nothing(std::uint8_t address) override;
+    ano::Fault accepts_nothing(std::uint8_t address) override;
     void listen(bool wants) override;
     void wake(ano::TimePoint at) override { alarm_.set_no_later(at); }
     std::vector<HeardAddress> heard(ano::TimePoint now) override;

@@ -34,7 +34,7 @@ static bool finish(ano::host::Device& device, ano::FrameParser& parser, const an
         if (n <= 0) return false;
         parser.commit(static_cast<std::size_t>(n), now);
     }
-    std::cerr << task.end()->what << (task.end()->what.empty() ? "" : "\n");
+    std::cerr << task.end()->fault.text() << (task.end()->fault.empty() ? "" : "\n");
     return task.end()->ending == ano::host::Ending::done;
 }
 

@@ -40,7 +40,7 @@ Read read_all(std::size_t n, LineFaults line, std::uint64_t seed, bool whole = t
     EXPECT_TRUE(parameters.end()) << "seed " << seed;
     if (!parameters.end()) return {};
     if (!whole && parameters.end()->ending != Ending::done) return {took, 0, 0, 0, false};
-    EXPECT_EQ(parameters.end()->ending, Ending::done) << "seed " << seed << ": " << parameters.end()->what;
+    EXPECT_EQ(parameters.end()->ending, Ending::done) << "seed " << seed << ": " << parameters.end()->fault.text();
     for (std::uint16_t id = 0; id < n; ++id) EXPECT_EQ(parameters.descriptions()[id].name, fake.parameters[id].name);
     EXPECT_FALSE(fake.crashed);
     return {took, simulation.frames_back, simulation.bytes_back, simulation.bytes_there};
@@ -106,7 +106,7 @@ TEST(Host, sends_one_request_at_a_time_to_a_device_that_loses_requests_while_ans
     first.read_all(simulation.now);
     simulation.run(first);
     ASSERT_TRUE(first.end());
-    EXPECT_EQ(first.end()->ending, Ending::done) << first.end()->what;
+    EXPECT_EQ(first.end()->ending, Ending::done) << first.end()->fault.text();
     EXPECT_EQ(device.window(), 1u);
     const std::size_t sent = simulation.frames_there;
     second.read_all(simulation.now);
@@ -126,7 +126,7 @@ TEST(Host, does_not_limit_requests_to_one_on_a_line_with_random_loss) {
     parameters.read_all(simulation.now);
     simulation.run(parameters);
     ASSERT_TRUE(parameters.end());
-    EXPECT_EQ(parameters.end()->ending, Ending::done) << parameters.end()->what;
+    EXPECT_EQ(parameters.end()->ending, Ending::done) << parameters.end()->fault.text();
     EXPECT_GT(device.window(), 1u);
 }
 
@@ -142,7 +142,7 @@ TEST(Host, does_not_count_time_in_the_send_queue_as_waiting_for_an_answer) {
     parameters.read_all(simulation.now);
     simulation.run(parameters);
     ASSERT_TRUE(parameters.end());
-    EXPECT_EQ(parameters.end()->ending, Ending::done) << parameters.end()->what;
+    EXPECT_EQ(parameters.end()->ending, Ending::done) << parameters.end()->fault.text();
     EXPECT_EQ(simulation.frames_there, 3u + 2 * 10) << "nothing is asked twice";
     ASSERT_TRUE(device.round_trip().smoothed());
     EXPECT_LE(*device.round_trip().smoothed(), 10ms);
@@ -162,7 +162,7 @@ TEST(Host, a_firmware_of_256_kib_at_500000_baud_takes_at_most_1_15_times_the_wir
     upgrade.start(simulation.now);
     const ano::Duration took = simulation.run(upgrade);
     ASSERT_TRUE(upgrade.end());
-    ASSERT_EQ(upgrade.end()->ending, Ending::done) << upgrade.end()->what;
+    ASSERT_EQ(upgrade.end()->ending, Ending::done) << upgrade.end()->fault.text();
     EXPECT_EQ(upgrade.repeats(), 0u);
     const auto wire = std::chrono::nanoseconds{(simulation.bytes_there + simulation.bytes_back) * 10'000'000'000 / 500000};
     RecordProperty("ratio", std::to_string(ratio(took, wire)));

@@ -121,9 +121,9 @@ void write_and_compare(Line& line, const ano::host::ParameterInfo& info) {
         EXPECT_EQ(write.stored(), after);
         EXPECT_EQ(write.is_clamped(), after != wanted);
     } else if (ending == Ending::refused) {
-        EXPECT_TRUE(after == before || !write.stored()) << write.end()->what;
+        EXPECT_TRUE(after == before || !write.stored()) << write.end()->fault.text();
     } else {
-        EXPECT_EQ(ending, Ending::timeout) << write.end()->what;
+        EXPECT_EQ(ending, Ending::timeout) << write.end()->fault.text();
     }
 }
 
@@ -176,7 +176,7 @@ TEST(HostAndDevice, agree_on_commands) {
             if (ending == Ending::done) {
                 ASSERT_EQ(std::pair(runs, x), std::pair(1, 1.0));
             } else {
-                ASSERT_EQ(ending, Ending::unknown) << call.end()->what;
+                ASSERT_EQ(ending, Ending::unknown) << call.end()->fault.text();
             }
         }
         done += line.ends[Ending::done] - 1;
@@ -234,7 +234,7 @@ TEST(HostAndDevice, agree_on_firmware) {
         if (ending == Ending::done) {
             ASSERT_EQ(installed, image);
         } else {
-            ASSERT_EQ(ending, Ending::timeout) << upgrade.end()->what << ", " << line.loss << " % are lost";
+            ASSERT_EQ(ending, Ending::timeout) << upgrade.end()->fault.text() << ", " << line.loss << " % are lost";
         }
     }
     EXPECT_GT(done, 20);

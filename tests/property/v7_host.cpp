@@ -109,7 +109,7 @@ TEST_P(AnyLoss, parameters_are_read_and_written) {
         V7Line line{seed, seed % 2 == 0 ? anogate::v7_lx_parameters() : anogate::v7_tkz_parameters(), GetParam()};
         ano::host::Parameters all{line.host};
         all.read_all(line.now);
-        ASSERT_EQ(line.run(all), Ending::done) << all.end()->what;
+        ASSERT_EQ(line.run(all), Ending::done) << all.end()->fault.text();
         const auto& rows = line.translation.settings().parameters;
         ASSERT_EQ(all.descriptions().size(), rows.size());
         for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -124,7 +124,7 @@ TEST_P(AnyLoss, parameters_are_read_and_written) {
             const auto wanted = static_cast<std::int64_t>(line.random.below(100000u));
             ano::host::ParameterWrite write{line.host, all.descriptions()[k], wanted, {}};
             write.start(line.now);
-            ASSERT_EQ(line.run(write), Ending::done) << write.end()->what;
+            ASSERT_EQ(line.run(write), Ending::done) << write.end()->fault.text();
             EXPECT_EQ(line.device().parameter(rows[k].number), wanted);
         }
         EXPECT_EQ(line.device().false_measurements(), 0u);
@@ -139,7 +139,7 @@ TEST_P(AnyLoss, parameters_without_a_table_are_read_and_written_by_number) {
         line.host.ask_by_number(true);
         some.accept_unlisted({151, 9999, 162});
         some.read_numbered({}, line.now);
-        ASSERT_EQ(line.run(some), Ending::done) << some.end()->what;
+        ASSERT_EQ(line.run(some), Ending::done) << some.end()->fault.text();
         for (const std::uint16_t number : {std::uint16_t{151}, std::uint16_t{162}}) {
             ASSERT_TRUE(some.value(number)) << number;
             EXPECT_EQ(std::get<std::int64_t>(*some.value(number)), line.device().parameter(number));
@@ -147,7 +147,7 @@ TEST_P(AnyLoss, parameters_without_a_table_are_read_and_written_by_number) {
         EXPECT_FALSE(some.descriptions()[9999].type) << "the device has no such number";
         ano::host::ParameterWrite write{line.host, some.descriptions()[151], std::int64_t{77}, {}};
         write.start(line.now);
-        ASSERT_EQ(line.run(write), Ending::done) << write.end()->what;
+        ASSERT_EQ(line.run(write), Ending::done) << write.end()->fault.text();
         EXPECT_EQ(line.device().parameter(151), 77);
     }
 }
@@ -159,7 +159,7 @@ TEST_P(AnyLoss, each_command_is_described_and_sent_as_often_as_the_host_sends_it
         V7Line line{seed, {}, GetParam()};
         ano::host::Commands all{line.host};
         all.read(line.now);
-        ASSERT_EQ(line.run(all), Ending::done) << all.end()->what;
+        ASSERT_EQ(line.run(all), Ending::done) << all.end()->fault.text();
         for (const auto& command : all.descriptions()) {
             SCOPED_TRACE(command.name);
             std::vector<ano::host::AnyValue> values;
@@ -168,7 +168,7 @@ TEST_P(AnyLoss, each_command_is_described_and_sent_as_often_as_the_host_sends_it
             const std::size_t received = line.device().commands().size();
             call.start(line.now);
             const Ending ending = line.run(call);
-            EXPECT_TRUE(ending == Ending::done || ending == Ending::unknown) << call.end()->what;
+            EXPECT_TRUE(ending == Ending::done || ending == Ending::unknown) << call.end()->fault.text();
             EXPECT_EQ(line.commands_sent, line.commands_of_host);
             ++calls;
             if (ending != Ending::done) continue;
@@ -193,11 +193,11 @@ TEST_P(AnyLoss, waypoints_are_written_and_read) {
                 {.num = i, .lng = 1.5 * i, .lat = -2.25 * i, .alt = 100 * i, .spd = 5, .yaw = 400, .fun = 1, .cmd = {}});
         ano::host::WaypointsPut put{line.host, route};
         put.start(line.now);
-        ASSERT_EQ(line.run(put), Ending::done) << put.end()->what;
+        ASSERT_EQ(line.run(put), Ending::done) << put.end()->fault.text();
         ASSERT_EQ(line.device().waypoints(), route.size());
         ano::host::WaypointsGet get{line.host};
         get.start(line.now);
-        ASSERT_EQ(line.run(get), Ending::done) << get.end()->what;
+        ASSERT_EQ(line.run(get), Ending::done) << get.end()->fault.text();
         EXPECT_EQ(get.waypoints(), route);
     }
 }

@@ -1,5 +1,6 @@
 // The devices of a test and the host engine for them, in simulated time.
 #pragma once
+#include <ano/fault.hpp>
 #include <devices/device_routes.hpp>
 #include <devices/device_service.hpp>
 #include <http/routes.hpp>
@@ -10,6 +11,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <optional>
@@ -61,8 +63,8 @@ public:
     std::optional<TimePoint> flushed_at;
     TimePoint now() override { return time; }
     anogate::Unsent send(ano::FrameView frame) override {
-        if (const auto why = refuses.find(frame.id()); why != refuses.end()) return {why->second};
-        if (is_down) return {"not sent: the link 'fc' is down", true};
+        if (const auto why = refuses.find(frame.id()); why != refuses.end()) return {{"other", why->second}};
+        if (is_down) return {{"link_down", ano::Fault{"link_named", "fc"}}, true};
         sent.emplace_back(frame.bytes().begin(), frame.bytes().end());
         put(true, sent.back());
         return {};
@@ -76,7 +78,7 @@ public:
         return {.sent = true, .busy = *flush_takes};
     }
     bool is_waiting(std::uint8_t) override { return time < queued_until; }
-    std::string accepts_nothing(std::uint8_t) override { return stopped; }
+    ano::Fault accepts_nothing(std::uint8_t) override { return stopped.empty() ? ano::Fault{} : ano::Fault{"other", stopped}; }
     void listen(bool wants) override { listens = wants; }
     void wake(TimePoint at) override { wake_ = std::min(wake_.value_or(at), at); }
     std::vector<anogate::HeardAddress> heard(TimePoint) override {
@@ -135,6 +137,18 @@ public:
         nlohmann::ordered_json json;
     };
     /// The response, which may be sent now or later.
+    /// Every error has an id of the table and all its arguments, and so has every clause in it.
+    static void expect_ids_in(const nlohmann::ordered_json& json) {
+        if (json.is_structured())
+            for (const auto& one : json) expect_ids_in(one);
+        if (!json.is_object() || (!json.contains("error") && !json.contains("error_id"))) return;
+        const auto row = std::find_if(std::begin(ano::fault_rows), std::end(ano::fault_rows),
+                                      [id = json.value("error_id", "")](const ano::FaultRow& one) { return one.id == id; });
+        ASSERT_NE(row, std::end(ano::fault_rows)) << json;
+        for (const std::string_view name : ano::arguments_of(row->english))
+            EXPECT_TRUE(json.at("error_args").contains(std::string{name})) << json;
+    }
+
     Answer ask(const std::string& method, const std::string& target, const std::string& body = {}) {
         auto answer = asked(method, target, body);
         EXPECT_TRUE(until([&] { return answer->has_value(); })) << method << ' ' << target << " is never answered";
@@ -146,6 +160,7 @@ public:
         const auto told = [this, answer](anogate::http::Response response) {
             needed_.erase(answer.get());
             *answer = Answer{response.status, nlohmann::ordered_json::parse(response.pop_text(), nullptr, false)};
+            expect_ids_in((*answer)->json);
         };
         anogate::http::Response response = routes.answer(own_request(method, target, body));
         if (!response.later) told(std::move(response));

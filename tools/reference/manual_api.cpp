@@ -1,6 +1,7 @@
 #include "manual.hpp"
 #include "page.hpp"
 
+#include <ano/faults.hpp>
 #include <link/link_error.hpp>
 
 namespace reference {
@@ -24,7 +25,9 @@ std::string api_page(std::span<const anogate::http::Routes::Row> rows) {
     page.end_list();
     page.section("ERROR RESPONSES");
     page.text(
-        "Responses other than 200 contain {\"error\": \"a message for people\", \"what\": \"an identifier for programs\"}:");
+        "Responses other than 200 contain {\"error\": \"a message for people\", \"what\": \"its kind\", \"error_id\": \"its "
+        "id\", "
+        "\"error_args\": {its arguments}}, and so do jobs that failed; the ids are listed below:");
     page.begin_list();
     page.item("400", "", "The request is malformed");
     page.item("401, 403", "",
@@ -70,6 +73,16 @@ std::string api_page(std::span<const anogate::http::Routes::Row> rows) {
     for (const anogate::LinkErrorId& row : anogate::link_error_ids)
         page.item(std::string{row.id} + (row.arguments.empty() ? "" : " {" + std::string{row.arguments} + "}"), "",
                   std::string{row.meaning});
+    page.end_list();
+    page.section("ERROR IDS");
+    page.text(
+        "The values of \"error_id\" with the text in \"error\", in which {name} is an argument of \"error_args\". An argument "
+        "that is a "
+        "clause is an object {\"error_id\", \"error_args\"}. \"error_remarks\" is a list of such objects: further clauses, which "
+        "follow in "
+        "the text.");
+    page.begin_list();
+    for (const ano::FaultRow& row : ano::fault_rows) page.item(std::string{row.id}, "", std::string{row.english});
     page.end_list();
     page.section("EXAMPLES");
     page.literal(

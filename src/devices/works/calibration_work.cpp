@@ -169,19 +169,17 @@ std::string by_hand(const WorkPlace& place, const std::string& name) {
     return "anoctl param import " + place.net.kept_path(name) + ", then anoctl param save";
 }
 
-constexpr const char* not_distinguishable = "this unit can't be distinguished from others of its type that were never calibrated";
+constexpr ano::FaultId<> not_distinguishable{"not_distinguishable"};
 
 // The note is the only copy of its values, so they are logged.
-std::string drop_note(const WorkPlace& place, const std::string& name, Unit unit) {
+ano::Fault drop_note(const WorkPlace& place, const std::string& name, Unit unit) {
     const std::string text = *place.journal.find(name);
     const bool is_alike = unit == Unit::alike;
     place.journal.drop(name,
                        is_alike ? "removed: it may be of another unit" : "removed: the device has other calibration values");
-    return (is_alike ? std::string{not_distinguishable} + ", so its values stay, and the file is removed: "
-                     : "the calibration values of the device are not those of the unfinished calibration, so they stay, and the "
-                       "file is "
-                       "removed: ") +
-           describe_note(name, text) + ", " + ano::compact_json(note_json(text).value("parameters", Json{}));
+    const std::string values = describe_note(name, text) + ", " + ano::compact_json(note_json(text).value("parameters", Json{}));
+    if (is_alike) return {"saved_for_another", ano::Fault{not_distinguishable}, values};
+    return {"saved_values_differ", values};
 }
 
 // The name of the stored values of exactly this device; empty: there are none.
@@ -194,40 +192,39 @@ public:
     WriteBack(const WorkPlace& place, std::string name) : TaskWork{place}, name_{std::move(name)} {}
     void start(TimePoint now) override {
         const auto sensor = sensor_of_note(name_);
-        if (!sensor) return finish(work_fault(409, name_ + " is not a file of a calibration"));
+        if (!sensor) return finish(work_fault({"not_a_calibration", name_}));
         auto task = std::make_unique<ano::host::Parameters>(place().device, &place().cache);
         std::vector<std::string> names = ano::host::calibration_names(*sensor);
         std::ranges::copy(ano::host::calibration_names(ano::host::other_than(*sensor)), std::back_inserter(names));
         next(std::move(task)).read_named(std::move(names), now);
     }
     std::string message() const override { return "restoring the values from before an unfinished calibration"; }
-    std::string half_done() const override { return "the old values are saved and will be written back at the next start"; }
+    ano::Fault half_done() const override { return {"will_be_written_back"}; }
 
 private:
     void done(const Task& task, TimePoint now) override {
         if (writes_) return written_back(task);    // CalibrationWrite has read them back
         const std::string* text = place().journal.find(name_);
         const auto sensor = sensor_of_note(name_);
-        if (text == nullptr || !sensor) return finish(work_fault(409, "there are no saved values any more"));
+        if (text == nullptr || !sensor) return finish(work_fault({"nothing_saved"}));
         auto values = values_in_note(*text, *sensor);
-        if (!values) return finish(work_fault(422, name_ + " is damaged: calibrate again, or remove it"));
+        if (!values) return finish(work_fault({"saved_damaged", name_}));
         if (const std::string misfit = misfit_of_note(*text, place()); !misfit.empty())
-            return finish(work_fault(409, name_ + " is not used: it is " + misfit));
+            return finish(work_fault({"saved_unfit", name_, misfit}));
         const auto& parameters = static_cast<const ano::host::Parameters&>(task);
         CalibrationValues has;
         for (auto& [name, value] : *values) {    // the note has them as f32
             const auto* info = parameters.find(name).parameter;
             auto stored = info != nullptr ? parameters.value(info->id) : std::nullopt;
-            if (!stored) return finish(work_fault(409, "the device has no " + name));
+            if (!stored) return finish(work_fault({"parameter_missing", name}));
             has.emplace_back(name, *std::move(stored));
             value = ano::host::nearest_value(value, *info);
         }
         const auto of_other = ano::host::calibration_in(parameters, ano::host::other_than(*sensor));
         const Unit unit = unit_of_note(has, of_other.value_or(CalibrationValues{}), *text, *sensor);
-        if (unit == Unit::other) return finish(work_fault(409, drop_note(place(), name_, unit)));
+        if (unit == Unit::other) return finish(work_fault(drop_note(place(), name_, unit)));
         if (unit == Unit::alike)
-            return finish(work_fault(409, std::string{not_distinguishable} + "; if the values belong to it: " +
-                                              by_hand(place(), name_) + "; otherwise remove the file"));
+            return finish(work_fault({"saved_for_unknown", ano::Fault{not_distinguishable}, by_hand(place(), name_)}));
         writes_ = true;
         next(std::make_unique<ano::host::CalibrationWrite>(place().device, &place().cache, *sensor, *values)).start(now);
     }
@@ -239,8 +236,7 @@ private:
         Json result{{"written_back", true}, {"kept", kept}};
         if (text != nullptr) result["values"] = note_json(*text).value("parameters", Json{});
         end.result = ano::compact_json(result);
-        end.error = "restored the old calibration values, because the calibration was not finished: " + kept +
-                    "; read back and equal, so " + name_ + " is removed";
+        end.fault = {"restored_unfinished", kept, name_};
         place().journal.forget(name_);
         finish(std::move(end));
     }
@@ -260,7 +256,7 @@ public:
         calibration_->keep_before_writing();
         next(std::move(task)).start(now);
     }
-    std::string half_done() const override { return kept_where("the old values", "at the next start"); }
+    ano::Fault half_done() const override { return kept_where({"the_old_values"}, {"at_next_start"}); }
     void receive(ano::FrameView frame, TimePoint now) override {
         if (calibration_ == nullptr || calibration_->end()) return;
         const Phase before = phase();
@@ -316,7 +312,7 @@ private:
 
     std::string after_restart(std::string message) const {
         if (calibration_->restarts() == 0) return message;
-        return "the device restarted (" + calibration_->last_restart() + "), so all samples are discarded: " + message;
+        return "the device restarted (" + calibration_->last_restart().text() + "), so all samples are discarded: " + message;
     }
     Phase phase() const { return calibration_ != nullptr ? calibration_->step() : Phase::read; }
     void look(TimePoint now) override {
@@ -329,7 +325,7 @@ private:
         if (is_waiting()) return look_at_clock(now);
         if (kept_->fault.empty()) return;
         calibration_->cancel(now);
-        finish(work_fault(503, "the old values could not be saved, so nothing was changed: " + kept_->fault));
+        finish(work_fault({"old_values_not_saved", kept_->fault}));
     }
     // Limits the wait, because the job blocks the device meanwhile.
     void look_at_clock(TimePoint now) {
@@ -337,7 +333,7 @@ private:
         if (now - *waits_since_ < Calibration::time_to_turn) return;
         calibration_->cancel(now);
         forget();
-        finish(work_fault(504, "not continued within 10 minutes; nothing was changed"));
+        finish(work_fault({"not_continued"}));
     }
     // Uses the old values stored by an unfinished calibration, not the values that it left in the device.
     bool uses_kept() {
@@ -347,7 +343,7 @@ private:
         const Unit unit = unit_of_note(calibration_->old_values(), calibration_->other_values(), *place().journal.find(name),
                                        sensor_);
         if (unit != Unit::same) {
-            place().net.report(name + " is not used: " + drop_note(place(), name, unit), true);
+            place().net.report(name + " is not used: " + drop_note(place(), name, unit).text(), true);
             return false;
         }
         note_ = name;
@@ -392,15 +388,13 @@ private:
         if (!note_.empty()) place().journal.forget(note_);
     }
     // `when`: when the next run of the program writes them back, if it does.
-    std::string kept_where(const std::string& what, const std::string& when) const {
+    ano::Fault kept_where(const ano::Fault& what, const ano::Fault& when) const {
         const std::string name = note_.empty() ? keep_name(place(), sensor_) : note_;
-        const std::string kept = what + " are saved as " + name, way = place().net.way_to_write_back(name);
-        if (!way.empty()) return kept + "; " + way;
+        if (const std::string way = place().net.way_to_write_back(name); !way.empty()) return {"saved_as", what, name, way};
         const CalibrationValues left = calibration_ != nullptr ? calibration_->cleared_values() : CalibrationValues{};
         const CalibrationValues other = calibration_ != nullptr ? calibration_->other_values() : CalibrationValues{};
-        if (unit_of_note(left, other, ano::compact_json(json_), sensor_) == Unit::same)
-            return kept + " and are written back " + when;
-        return kept + "; " + not_distinguishable + ", so write them back by hand: " + by_hand(place(), name);
+        if (unit_of_note(left, other, ano::compact_json(json_), sensor_) == Unit::same) return {"saved_until", what, name, when};
+        return {"saved_by_hand", what, name, ano::Fault{not_distinguishable}, by_hand(place(), name)};
     }
     void done(const Task& task, TimePoint) override {
         forget();
@@ -419,7 +413,7 @@ private:
     void failed(const Task& task, TimePoint) override {
         WorkEnd end = end_of(*task.end(), texts());
         if (calibration_->has_old_values()) forget();
-        else end.error += "; " + kept_where("they", "when it is heard on the ground");
+        else end.fault.add(kept_where({"they"}, {"when_on_ground"}));
         finish(std::move(end));
     }
 

@@ -58,8 +58,7 @@ protected:
         const auto of_link = place().net.device_limits(place().device.address()).value_type_7;
         if (!seven || of_link == seven) return true;
         if (of_link) {
-            finish(work_fault(422, "value type 7 is " + std::string{to_string(*of_link)} +
-                                       " on this link (value_type_7 or profile): change it there"));
+            finish(work_fault({"type_7_of_link", to_string(*of_link)}));
             return false;
         }
         given_type_7_ = seven;
@@ -72,9 +71,7 @@ protected:
         for (const CommandInfo& one : all) {
             const auto display_text = ano::host::reported_type_7(one);
             if (!display_text || display_text == given_type_7_) continue;
-            finish(work_fault(422, "value type 7 of this device is " + std::string{to_string(*display_text)} +
-                                       ", as its descriptions show, not " + std::string{to_string(*given_type_7_)} +
-                                       ": omit type7; if the descriptions are wrong, set value_type_7 on the link"));
+            finish(work_fault({"type_7_of_device", to_string(*display_text), to_string(*given_type_7_)}));
             return false;
         }
         return true;
@@ -121,7 +118,7 @@ protected:
         for (const Json& json : given) {
             const std::size_t i = values.size();
             const auto value = value_in(json, i < command.types.size() ? std::optional{command.types[i]} : std::nullopt);
-            if (!value) return finish(work_fault(422, "value " + std::to_string(i + 1) + " must be a number"));
+            if (!value) return finish(work_fault({"number_needed", i + 1}));
             values.push_back(*value);
         }
         if (given_type_7_) remember_change();
@@ -136,7 +133,7 @@ protected:
         WorkEnd end = end_of(ended, texts());
         Json whole = result;
         if (!note_.empty()) whole["note"] = note_;
-        else if (ended.evidence.by_port) whole["note"] = ended.what;
+        else if (ended.evidence.by_port) whole["note"] = ended.fault.text();
         end.result = ano::compact_json(whole);
         finish(std::move(end));
     }
@@ -232,13 +229,12 @@ private:
         if (!agrees_as_read()) return;
         command_ = called(commands());
         if (!command_ && order_.called) return finish_outdated();
-        if (!command_) return finish(work_fault(404, "no single command has the name " + ano::in_quotes(order_.command)));
+        if (!command_) return finish(work_fault({"no_single_command", ano::in_quotes(order_.command)}));
         call_it(now);
     }
     // Nothing was sent: the client may read the commands and call again.
     void finish_outdated() {
-        WorkEnd end = work_fault(409, "command " + order_.command + " is not " + ano::in_quotes(*order_.called) +
-                                          " any more: read the commands again");
+        WorkEnd end = work_fault({"commands_changed", order_.command, ano::in_quotes(*order_.called)});
         end.what = "commands_changed";
         finish(std::move(end));
     }
@@ -298,20 +294,19 @@ public:
                 continue;
             }
             const auto type = given.size() == 1 ? number_type_called(given.begin().key()) : std::nullopt;
-            if (!type) return finish(misfit(values.size(), R"( must be {TYPE: number}, as in {"u16": 150})"));
+            if (!type)
+                return finish(work_fault({"typed_value_needed", values.size() + 1, R"({TYPE: number}, as in {"u16": 150})"}));
             command_.types.push_back(*type);
             values.push_back(given.front());
         }
         if (!values.empty() && command_.types.empty() && known_as != all.end()) command_ = *known_as;
-        else if (command_.types.size() != values.size())
-            return finish(work_fault(422, R"(each value needs a type, as in {"u16": 150}: the command is unknown)"));
+        else if (command_.types.size() != values.size()) return finish(work_fault({"types_needed", R"({"u16": 150})"}));
         mean_present_device();
         call(command_, values, order_.repeat, now);
     }
     std::string message() const override { return "calling " + (command_.name.empty() ? "command" + bytes_ : command_.name); }
 
 private:
-    static WorkEnd misfit(std::size_t i, const char* why) { return work_fault(422, "value " + std::to_string(i + 1) + why); }
     void done(const Task& task, TimePoint) override { report(*task.end(), {{"cid", command_.cid}, {"called", true}}); }
 
     std::string json_, bytes_;

@@ -40,7 +40,7 @@ public:
         const std::size_t room = place().net.device_limits(place().device.address()).max_data;
         frame_len_ = std::min(usual_frame, room > 3 ? room - 3 : usual_frame);
         if (order_.file.size() > Firmware::max_frames * frame_len_ + ano::host::FirmwareImage::header_bytes)
-            return finish(work_fault(422, "the image has more than 65536 frames of " + std::to_string(frame_len_) + " bytes"));
+            return finish(work_fault({"image_too_long", frame_len_}));
         const auto read = read_;
         place().net.aside(
             [read, file = std::move(order_.file), crc = order_.crc] {
@@ -69,10 +69,9 @@ private:
             return report(now);
         }
         if (end() || !read_->is_done) return;
-        if (!read_->fault.empty()) return finish(work_fault(503, "the file could not be checked: " + read_->fault));
-        if (!read_->file.image) return finish(work_fault(422, read_->file.wrong));
-        if (!read_->doubt.empty() && !order_.force)
-            return finish(work_fault(422, read_->doubt + " (use force to send it anyway)"));
+        if (!read_->fault.empty()) return finish(work_fault({"file_unchecked", read_->fault}));
+        if (!read_->file.image) return finish(work_fault(read_->file.wrong));
+        if (!read_->doubt.empty() && !order_.force) return finish(work_fault({"not_firmware", read_->doubt}));
         size_ = read_->file.image->bytes.size();
         began_ = now;
         recall();
@@ -99,7 +98,7 @@ private:
         else if (speed > 0) words_ += ", " + speed_in_words(speed, firmware_->time_left(now));
         odd_reply_ = firmware_->odd_reply();
         if (!odd_reply_.empty()) words_ += "; " + odd_reply_;
-        if (!firmware_->remark().empty()) words_ += "; " + firmware_->remark();
+        if (!firmware_->remark().empty()) words_ += "; " + firmware_->remark().text();
     }
     void done(const Task& task, TimePoint now) override {
         const std::uint8_t address = place().device.address();
@@ -110,7 +109,7 @@ private:
                     {"frames", (size_ + firmware_->frame_len() - 1) / firmware_->frame_len()},
                     {"repeats", firmware_->repeats()},
                     {"seconds", std::round(seconds * 10) / 10}};
-        if (!end.error.empty()) result["note"] = end.error;
+        if (!end.fault.empty()) result["note"] = end.fault.text();
         end.result = result.dump();
         finish(std::move(end));
     }

@@ -125,8 +125,8 @@ protected:
         std::vector<std::string> names;
         for (const ano::host::ParameterInfo& one : all)
             if (!one.name.empty()) names.push_back(texts().display_text(one.name));
-        return work_fault(404, "unknown parameter " + ano::in_quotes(word) +
-                                   ano::did_you_mean(word, std::vector<std::string_view>{names.begin(), names.end()}));
+        const std::string meant = ano::did_you_mean(word, std::vector<std::string_view>{names.begin(), names.end()});
+        return work_fault({"parameter_not_found", ano::in_quotes(word) + meant});
     }
 
     /// A value that is not as long as its type is not shown: its low bytes are not the value, and writing it is refused as well.
@@ -142,7 +142,7 @@ protected:
         std::string ids;
         for (const ano::host::ParameterInfo& one : all)
             if (texts().is(one.name, name)) ids += (ids.empty() ? "" : ", ") + std::to_string(one.id);
-        return {409, {}, "several parameters have the name " + ano::in_quotes(name) + ": use the number, " + ids, "ambiguous"};
+        return {409, {}, {"ambiguous_parameter", ano::in_quotes(name), ids}, "ambiguous"};
     }
 
 private:
@@ -196,10 +196,10 @@ private:
         }
         if (text_->size() > RowsText::max_bytes) return finish(too_many_bytes(device.address()));
         if (listed_ < end_of_rows_) return;
-        if (order_.words && !has_wanted_ && end_->error.empty()) return finish(unknown(order_.words->front(), all));
+        if (order_.words && !has_wanted_ && end_->fault.empty()) return finish(unknown(order_.words->front(), all));
         Json tail = Json::object();
         if (end_of_rows_ < all.size()) tail["missing_from"] = end_of_rows_;
-        if (!end_->error.empty()) tail["incomplete"] = end_->error;
+        if (!end_->fault.empty()) tail["incomplete"] = end_->fault.text();
         finish(text_->ended(std::move(*end_), tail));
     }
     bool is_wanted(const ano::host::ParameterInfo& row) const {
@@ -253,9 +253,9 @@ private:
         const ano::host::ParameterInfo* const info = parameter(name_);
         if (info == nullptr) return;
         const auto given = value_in(Json::parse(json_), info->type);
-        if (!given) return finish(work_fault(422, "the value must be a number or text"));
+        if (!given) return finish(work_fault({"value_needed"}));
         const auto value = texts().wire(*given);
-        if (!value) return finish(work_fault(422, name_ + ": the text " + texts().misfit()));
+        if (!value) return finish(work_fault({"text_unfit", name_, texts().misfit()}));
         limits_.max_bytes = place().net.device_limits(place().device.address()).text.max_bytes;
         auto write = std::make_unique<ParameterWrite>(place().device, *info, *value, limits_);
         write->set_before(parameters().bytes(info->id), parameters().doubts());
@@ -270,7 +270,7 @@ private:
         result["stored"] = value_json(*write_->stored(), info.type, texts());
         result["clamped"] = write_->is_clamped();
         result["acknowledged"] = write_->was_acknowledged();
-        if (end.evidence.by_port || !end.evidence.unfit.empty()) result["note"] = end.what;
+        if (end.evidence.by_port || !end.evidence.unfit.empty()) result["note"] = end.fault.text();
         finish(with_result(end_of(end, texts()), result));
     }
 
@@ -304,7 +304,7 @@ private:
             forget_kept();
             WorkEnd end = end_of(*task.end(), texts());
             Json result = rows();
-            if (!end.error.empty()) result["note"] = end.error;
+            if (!end.fault.empty()) result["note"] = end.fault.text();
             return finish(with_result(std::move(end), result));
         }
         apply(parameters().descriptions(), now);
@@ -325,9 +325,9 @@ private:
             const auto* info = found.parameter;
             given_.push_back({name, json, info != nullptr ? info->type : std::nullopt, info != nullptr, {}});
             const auto value = value_in(json, given_.back().type);
-            if (!value) return finish(work_fault(422, ano::in_quotes(name) + " must be a number or text"));
+            if (!value) return finish(work_fault({"number_or_text_needed", ano::in_quotes(name)}));
             const auto wire = texts().wire(*value);
-            if (!wire && !order_.dry_run) return finish(work_fault(422, name + ": the text " + texts().misfit()));
+            if (!wire && !order_.dry_run) return finish(work_fault({"text_unfit", name, texts().misfit()}));
             if (!wire) given_.back().unwritable = json.get<std::string>();
             const bool is_unclear = info != nullptr &&
                                     (info->name.empty() ||
@@ -358,8 +358,7 @@ private:
         std::size_t listed = 0;
         for (const Given& given : given_)
             if (!given.is_known && listed < max_names) names += (listed++ == 0 ? "" : ", ") + ano::in_quotes(given.name);
-        return work_fault(
-            422, "nothing was written: unknown parameters  " + names + " and " + std::to_string(strangers - listed) + " more");
+        return work_fault({"unknown_parameters", names, strangers - listed});
     }
     // Also reports what is half done.
     void failed(const Task& task, TimePoint) override {
@@ -392,12 +391,12 @@ private:
             if (row.stored && !order_.dry_run) json["stored"] = value_json(*row.stored, type, texts());
             json["clamped"] = row.state == ParameterApply::State::clamped;
             json["state"] = order_.dry_run && state < std::size(dry_states) ? dry_states[state] : apply_states[state];
-            if (!row.what.empty())
-                json["what"] = given.is_known ? texts().display_text(row.what) : "unknown parameter " + given.name;
+            if (!row.fault.empty())
+                json["what"] = given.is_known ? texts().display_fault(row.fault).text() : "unknown parameter " + given.name;
             if (given.unwritable) {
                 json["state"] = dry_states[0];
                 json["encodable"] = false;
-                json["what"] = "the text " + texts().misfit();
+                json["what"] = texts().misfit().text();
             }
             using State = ParameterApply::State;
             if ((row.state == State::written || row.state == State::clamped) && !row.acknowledged) json["acknowledged"] = false;
@@ -437,7 +436,7 @@ public:
 private:
     void done(const Task& task, TimePoint) override {
         Json result{{"action", name_}, {"done", true}};
-        if (task.end()->evidence.by_port) result["note"] = task.end()->what;
+        if (task.end()->evidence.by_port) result["note"] = task.end()->fault.text();
         finish(with_result(end_of(*task.end(), texts()), result));
     }
 

@@ -34,9 +34,9 @@ public:
         ++sent_;
         next_ = now + busy + (sent_ < sends ? between_sends : for_answers);
         if (const Unsent unsent = place_.net.send(question); !unsent.why.empty() && !unsent.is_down)
-            finish(work_fault(403, unsent.why));
+            finish({403, {}, unsent.why, "refused"});
     }
-    void cancel(TimePoint) override { finish({409, {}, "cancelled", "refused", {}, true}); }
+    void cancel(TimePoint) override { finish({409, {}, {"cancelled"}, "refused", {}, true}); }
     void receive(ano::FrameView frame, TimePoint) override {
         if (frame.id() == ano::id_of<"device_info">) answered_.set(frame.source());
     }

@@ -50,7 +50,7 @@ private:
     void done(const Task& task, TimePoint) override {
         WorkEnd end = end_of(*task.end(), texts());
         Json result{{"written", put_->stored().size()}};
-        if (!end.error.empty()) result["note"] = end.error;
+        if (!end.fault.empty()) result["note"] = end.fault.text();
         end.result = ano::compact_json(result);
         finish(std::move(end));
     }

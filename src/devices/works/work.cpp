@@ -31,11 +31,12 @@ static_assert(std::size(meanings) == ano::host::ending_names.size());
 
 WorkEnd end_of(const ano::host::End& end, const DeviceTexts& texts) {
     const Meaning& meaning = meanings[static_cast<std::size_t>(end.ending)];
-    return {meaning.status, {}, texts.display_text(end.what), meaning.what, end.evidence, end.ending == Ending::cancelled};
+    return {meaning.status, {}, texts.display_fault(end.fault), meaning.what, end.evidence, end.ending == Ending::cancelled};
 }
 
-WorkEnd work_fault(unsigned status, std::string error) {
-    return {status, {}, std::move(error), std::string{http::what_of(status)}, {}, false};
+WorkEnd work_fault(ano::Fault fault) {
+    const unsigned status = fault.status();
+    return {status, {}, std::move(fault), std::string{http::what_of(status)}, {}, false};
 }
 
 void TaskWork::run(ano::TimePoint now) {
@@ -50,7 +51,7 @@ void TaskWork::run(ano::TimePoint now) {
 
 void TaskWork::cancel(ano::TimePoint now) {
     if (task_) task_->cancel(now);
-    else finish({409, {}, "cancelled", "refused", {}, true});
+    else finish({409, {}, {"cancelled"}, "refused", {}, true});
 }
 
 ano::host::Progress TaskWork::progress() const { return task_ ? task_->progress() : ano::host::Progress{}; }

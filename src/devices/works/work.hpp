@@ -22,8 +22,8 @@ namespace anogate {
 struct WorkEnd {
     unsigned status = 200;
     std::string result{};    // JSON; the result for 200, otherwise the half-done state
-    std::string error;       // a clause for the user; for 200 a remark, or empty
-    std::string what;        // a word for programs; empty for 200
+    ano::Fault fault{};      // for 200 a remark, or empty
+    std::string what{};      // a word for programs; empty for 200
     ano::host::Evidence evidence{};
     bool is_cancelled = false;
     bool is_exact = false;    // `result` is in the form of exact_json()
@@ -31,8 +31,8 @@ struct WorkEnd {
 
 /// Converts `end`; a task that is done gives status 200 without a result. `texts`: of the device.
 WorkEnd end_of(const ano::host::End& end, const DeviceTexts& texts);
-/// With the `what` that belongs to the status.
-WorkEnd work_fault(unsigned status, std::string error);
+/// With the status of `fault`, and the `what` that belongs to it.
+WorkEnd work_fault(ano::Fault fault);
 
 /// The common data of all works.
 struct WorkPlace {
@@ -42,8 +42,8 @@ struct WorkPlace {
     DeviceNet& net;
     CrashJournal& journal;
     const DeviceTexts& texts;
-    /// Why the device may not be changed now, as text; empty: it may be changed.
-    std::function<std::string()> refusal{};
+    /// Why the device may not be changed now; empty: it may be changed.
+    std::function<ano::Fault()> refusal{};
     /// Its tasks yield to those of clients that may control.
     bool yields = false;
 };
@@ -65,7 +65,7 @@ public:
     /// Called for every passing frame, in addition to Device::take(). Must not send.
     virtual void receive(ano::FrameView /*frame*/, ano::TimePoint /*now*/) {}
     /// The half-done state if it is stopped now, when cancel() does not end it at once.
-    virtual std::string half_done() const { return "it is unchanged"; }
+    virtual ano::Fault half_done() const { return {"unchanged"}; }
     /// When run() must be called, in addition to Device::due().
     virtual std::optional<ano::TimePoint> due() const { return std::nullopt; }
     /// Whether run() must be called at once: a request ended while frames were sent.

@@ -1,7 +1,8 @@
 // Requests to the gateway, and their responses.
+import type { Fault } from "./i18n";
 import { jsonIn } from "./json";
 
-export interface Refusal {
+export interface Refusal extends Fault {
   status: number; // 0: no response
   error: string;
   what: string;
@@ -26,7 +27,9 @@ export interface Options {
 
 export function refusalOf(status: number, body: unknown): Refusal {
   const json = typeof body === "object" && body !== null ? (body as Record<string, unknown>) : {};
+  const { error_id, error_args, error_remarks } = json as Fault;
   return {
+    ...(error_id !== undefined && { error_id, error_args: error_args ?? {}, error_remarks: error_remarks ?? [] }),
     status,
     error: typeof json.error === "string" ? json.error : `HTTP ${status}`,
     what: typeof json.what === "string" ? json.what : "",

@@ -3,7 +3,8 @@ import { duration } from "./format";
 import { Store, useStore } from "./live/store";
 import { remember, remembered } from "./kept";
 import { words } from "./words";
-import { messageInChinese, reasonInChinese } from "./words_of_device";
+import { faults } from "./faults";
+import { messageInChinese } from "./words_of_device";
 import { causes, errors, hints, hintsInEnglish, titles, unhandled, whos } from "./words_of_gateway";
 import { simulated } from "./words_of_simulated";
 
@@ -60,9 +61,25 @@ export function errorText(id: string, text: string, args: Record<string, unknown
   const known = isChinese() ? errors[id] : undefined;
   return known === undefined ? text : filled(known, args);
 }
-/** The progress or the error of a job, in Chinese if a translation is known. */
+/** The progress of a job, in Chinese if a translation is known. */
 export const messageText = (text: string): string => (isChinese() ? messageInChinese(text) : text);
-export const reasonText = (text: string): string => (isChinese() ? reasonInChinese(text) : text);
+
+/** Why something failed: a text, and its id with arguments. An argument may be a clause with an id of its own; remarks are further clauses. */
+export interface Fault {
+  error?: string;
+  error_id?: string;
+  error_args?: Record<string, unknown>;
+  error_remarks?: Fault[];
+}
+
+/** undefined: an id is not known. */
+export function faultInChinese({ error_id: id = "", error_args: args = {}, error_remarks: remarks = [] }: Fault): string | undefined {
+  const form = faults[id];
+  const clauses = Object.entries(args).map(([name, value]) => [name, typeof value === "object" && value ? faultInChinese(value) : value] as const);
+  const all = [form && filled(form, Object.fromEntries(clauses)), ...remarks.map(faultInChinese)];
+  return clauses.some(([, value]) => value === undefined) || all.includes(undefined) ? undefined : all.join("；");
+}
+export const faultText = (fault: Fault): string => (isChinese() ? faultInChinese(fault) : undefined) ?? fault.error ?? "";
 /** The meaning of a counter, or its name if not known. */
 export const causeText = (name: string): string => said(causes[name] ?? [name, name]);
 /** A description or log message of a device: Chinese if it is one of a simulated device. */

@@ -3,7 +3,9 @@ import { test } from "node:test";
 import { follow, type Job } from "../src/live/jobs";
 import { rangeOf, valuesOf } from "../src/parts/command_values";
 import { isCalibration } from "../src/parts/parameter_set";
-import { messageInChinese, reasonInChinese } from "../src/words_of_device";
+import { faults } from "../src/faults";
+import { faultInChinese } from "../src/i18n";
+import { messageInChinese } from "../src/words_of_device";
 
 const page = globalThis as { location?: unknown; fetch: unknown };
 page.location ??= { pathname: "/", hash: "" };
@@ -49,19 +51,29 @@ test("a command's values fit the types that the device declares", () => {
   assert.deepEqual(valuesOf(["u64"], ["18446744073709551615"]), ["18446744073709551615"]);
 });
 
-test("says in Chinese what the gateway says of jobs, and leaves what it does not know", () => {
+test("says in Chinese what jobs do", () => {
   assert.equal(messageInChinese("reading parameters"), "正在读取参数");
   assert.equal(messageInChinese("sending, 12.3 KB/s, 40 s left"), "正在发送固件，12.3 KB/秒，还要 40 秒");
   assert.equal(messageInChinese("calling LAND"), "正在执行 LAND");
   assert.equal(messageInChinese("The old values are saved. Continue when you are ready to turn the device"), "旧值已保存。准备好转动设备后请继续");
   assert.equal(messageInChinese("checking the new values: keep it still on -y"), "正在验证新值：请保持 -y 朝上不动");
   assert.equal(messageInChinese("checking the new values: lay it on +z and keep it still"), "正在验证新值：请再让 +z 朝上静置");
-  assert.equal(reasonInChinese("no answer to LAND: it may have been carried out"), "没有收到对 LAND 的确认：它可能已经执行了");
-  assert.equal(reasonInChinese("0xDC is used by job 7 (firmware upgrade, by 192.168.1.5)"), "0xDC 正被任务 7（固件升级，来自 192.168.1.5）占用");
-  assert.equal(reasonInChinese("0x1E is online, but did not answer the request for its number of commands, sent 5 times; it probably has none"), "0x1E 在线，但没有应答对 number of commands 的请求，已发送 5 次");
-  assert.equal(reasonInChinese("/rec: only 1.0 MB of disk space is free, and recording needs 500.0 MB: 495.0 MB to keep free (record.free) and 5 MB"), "/rec：磁盘只剩 1.0 MB，至少需要 500.0 MB 才能继续录制");
-  assert.equal(reasonInChinese("/mnt/a.pcapng: Read-only file system"), "/mnt/a.pcapng：文件系统只读");
-  assert.equal(reasonInChinese("something new"), "something new");
+});
+
+test("says in Chinese why something failed, by its id", () => {
+  const job = { error_id: "job_by", error_args: { number: "7", action: { error_id: "firmware_upgrade", error_args: {} }, client: "192.168.1.5" } };
+  assert.equal(faultInChinese({ error_id: "used_by_job", error_args: { device: "0xDC", job } }), "0xDC 正被任务 7（固件升级，来自 192.168.1.5）占用");
+  assert.equal(faultInChinese({ error_id: "may_be_executed", error_args: { command: "LAND" } }), "没有收到对 LAND 的确认：它可能已经执行了");
+  const remarks = [{ error_id: "old_values_restored", error_args: {} }, { error_id: "other_writer", error_args: { writer: "0xFE", device: "0xDC" } }];
+  assert.equal(faultInChinese({ error_id: "cancelled", error_args: {}, error_remarks: remarks }), "已取消；旧值已恢复；0xFE 也在写入 0xDC");
+});
+
+test("leaves in English what it does not know: an id, or that of an argument or a remark", () => {
+  assert.equal(faultInChinese({ error: "something new" }), undefined);
+  assert.equal(faultInChinese({ error_id: "something_new", error_args: {} }), undefined);
+  assert.equal(faultInChinese({ error_id: "rejected", error_args: { why: { error_id: "something_new" } } }), undefined);
+  assert.equal(faultInChinese({ error_id: "cancelled", error_args: {}, error_remarks: [{ error_id: "something_new" }] }), undefined);
+  assert.equal(Object.keys(faults).includes("something_new"), false);
 });
 
 test("knows what belongs to one piece of hardware", () => {

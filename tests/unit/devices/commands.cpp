@@ -193,7 +193,7 @@ TEST_F(KnownCommands, dropped_before_they_were_sent_are_reported_as_not_sent) {
     const auto land = net.asked("POST", "/devices/0xDC/commands/LAND");
     ASSERT_TRUE(net.until([&] { return !net.sent.empty() && net.sent.back()[3] == 0xC0; }, 1s));
     ASSERT_FALSE(land->has_value());
-    net.service.not_sent(ano::FrameView{net.sent.back()}, {"not sent: it waited too long", true}, net.time);
+    net.service.not_sent(ano::FrameView{net.sent.back()}, {{"other", "not sent: it waited too long"}, true}, net.time);
     ASSERT_TRUE(net.until([&] { return land->has_value(); }, 100ms));
     EXPECT_EQ((*land)->status, 503u);
     EXPECT_EQ((*land)->json.at("error"), "not sent: it waited too long");
@@ -207,7 +207,7 @@ TEST_F(KnownCommands, dropped_before_they_were_sent_are_reported_as_not_sent) {
         return std::count_if(net.sent.begin(), net.sent.end(), [](const Bytes& f) { return f[3] == 0xC0; });
     };
     ASSERT_TRUE(net.until([&] { return sent() == 2; }, 10s));
-    net.service.not_sent(ano::FrameView{net.sent.back()}, {"not sent: it waited too long", true}, net.time);
+    net.service.not_sent(ano::FrameView{net.sent.back()}, {{"other", "not sent: it waited too long"}, true}, net.time);
     EXPECT_FALSE(net.until([&] { return repeated->has_value(); }, 100ms)) << "the first one was sent";
 }
 

@@ -30,8 +30,9 @@ TEST_F(Jobs, a_second_writer_gets_an_error_that_names_the_first) {
     const auto first = net.asked("PUT", "/devices/0xDC/parameters/PAR_0?client=one", R"({"value": 1})");
     const auto [status, error] = net.ask("PUT", "/devices/0xDC/parameters/PAR_0", R"({"value": 2})");
     EXPECT_EQ(status, 409u);
-    EXPECT_EQ(error,
-              json::parse(R"x({"error": "0xDC is used by job 1 (writing a parameter, by one)", "what": "busy", "job": 1})x"));
+    EXPECT_EQ(error, json::parse(R"x({"error": "0xDC is used by job 1 (writing a parameter, by one)", "error_id": "used_by_job",
+        "error_args": {"device": "0xDC", "job": {"error_id": "job_by", "error_args": {"number": "1",
+            "action": {"error_id": "writing_parameter", "error_args": {}}, "client": "one"}}}, "what": "busy", "job": 1})x"));
     ASSERT_TRUE(net.until([&] { return first->has_value(); }));
     EXPECT_EQ((*first)->status, 200u);
     EXPECT_EQ(net.ask("PUT", "/devices/0xDC/parameters/PAR_0", R"({"value": 2})").status, 200u);
@@ -229,7 +230,7 @@ TEST_F(Jobs, keep_a_limited_number_of_result_bytes) {
         anogate::JobOrder order{
             anogate::JobKind::parameters, ano::host::Operation::read, 0xDC, false, "", [](const anogate::WorkPlace&) {
                 struct Large final : anogate::Work {
-                    void start(TimePoint) override { finish({200, '"' + std::string(large, 'x') + '"', "", ""}); }
+                    void start(TimePoint) override { finish({200, '"' + std::string(large, 'x') + '"', {}, ""}); }
                     void run(TimePoint) override {}
                     void cancel(TimePoint) override {}
                 };

@@ -107,7 +107,8 @@ TEST_F(ParameterRoutes, one_is_read_by_name_or_number) {
 TEST_F(ParameterRoutes, a_name_shared_by_several_is_ambiguous_and_the_error_lists_their_numbers) {
     fake.parameters.push_back({0, "U8", "another", {9}});
     const json wrong = json::parse(
-        R"({"error": "several parameters have the name 'U8': use the number, 0, 5", "what": "ambiguous"})");
+        R"({"error": "several parameters have the name 'U8': use the number, 0, 5", "error_id": "ambiguous_parameter",
+            "error_args": {"name": "'U8'", "numbers": "0, 5"}, "what": "ambiguous"})");
     for (const auto& [status, told] :
          {net.ask("GET", "/devices/0xDC/parameters/U8"), net.ask("PUT", "/devices/0xDC/parameters/U8", R"({"value": 1})"),
           net.ask("POST", "/devices/0xDC/apply", R"({"U8": 1})")}) {

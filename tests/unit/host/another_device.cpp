@@ -99,7 +99,7 @@ struct Swapped : testing::Test {
         EXPECT_EQ(acted, std::vector<Bytes>{});
         EXPECT_TRUE(task.is_of_another());
         EXPECT_EQ(task.end()->ending, Ending::failed);
-        EXPECT_EQ(task.end()->what.find("0xDC became another device in the meantime"), 0u) << task.end()->what;
+        EXPECT_EQ(task.end()->fault.text().find("0xDC became another device in the meantime"), 0u) << task.end()->fault.text();
     }
     std::vector<std::pair<std::string, AnyValue>> values() const {
         std::vector<std::pair<std::string, AnyValue>> all;
@@ -181,7 +181,7 @@ TEST_F(Swapped, the_same_device_receives_the_value_again) {
         acted.clear();
         ParameterApply task{device, nullptr, values(), {.also_the_same = true}};
         run(task);
-        EXPECT_EQ(task.end()->ending, Ending::done) << task.end()->what;
+        EXPECT_EQ(task.end()->ending, Ending::done) << task.end()->fault.text();
         EXPECT_EQ(acted.size(), 4u) << "the lost one, and those behind it";
         EXPECT_EQ(states(task), std::vector<State>(6, State::written));
     }
@@ -201,7 +201,7 @@ TEST_F(Swapped, a_device_that_writes_slowly_is_not_asked_for_its_info_after_each
     questions = 0;
     ParameterApply import{device, nullptr, all, {.also_the_same = true}};
     run(import);
-    EXPECT_EQ(import.end()->ending, Ending::done) << import.end()->what;
+    EXPECT_EQ(import.end()->ending, Ending::done) << import.end()->fault.text();
     EXPECT_LE(simulation.now - begin, 17s);
     EXPECT_LE(questions, 5u);
 }
@@ -284,9 +284,10 @@ TEST_F(Swapped, device_receives_no_frame_of_an_upgrade) {
         image.bytes = Bytes(3000);
         Firmware task{device, image};
         run(task);
-        EXPECT_TRUE(task.is_of_another()) << task.end()->what;
+        EXPECT_TRUE(task.is_of_another()) << task.end()->fault.text();
         EXPECT_EQ(of_other.infos + of_other.erases, 0u);
-        EXPECT_EQ(task.end()->what, "0xDC became another device in the meantime; the one before is left in its boot loader");
+        EXPECT_EQ(task.end()->fault.text(),
+                  "0xDC became another device in the meantime; the one before is left in its boot loader");
         is_swapped = false;
         seen = 0;
         fake.name = "fake";
@@ -311,8 +312,8 @@ TEST(AnotherDevice, is_not_cleared_and_receives_no_calibration) {
             EXPECT_EQ(bench.actions, std::vector<std::uint16_t>{}) << cancels;
             EXPECT_EQ(bench.flash, had);
             EXPECT_FALSE(bench.task.has_old_values());
-            EXPECT_NE(bench.task.end()->what.find("0xDC became another device in the meantime"), std::string::npos)
-                << bench.task.end()->what;
+            EXPECT_NE(bench.task.end()->fault.text().find("0xDC became another device in the meantime"), std::string::npos)
+                << bench.task.end()->fault.text();
         }
 }
 
@@ -356,7 +357,7 @@ TEST_F(Unasked, device_is_identified_before_the_first_frame_that_acts) {
     save.start(simulation.now);
     simulation.run(save);
     ASSERT_TRUE(save.end());
-    EXPECT_TRUE(save.is_of_another()) << save.end()->what;
+    EXPECT_TRUE(save.is_of_another()) << save.end()->fault.text();
     EXPECT_EQ(saves, 1u);
     EXPECT_EQ(fake.heard.at(1)[3], 0xE0) << "who it is, before the save";
 }
@@ -370,7 +371,7 @@ TEST_F(Unasked, device_that_never_sends_its_device_info_is_still_served) {
     ParameterAction save{device, Action::save};
     save.start(simulation.now);
     simulation.run(save);
-    EXPECT_EQ(save.end()->ending, Ending::done) << save.end()->what;
+    EXPECT_EQ(save.end()->ending, Ending::done) << save.end()->fault.text();
     EXPECT_LE(simulation.now - begin, 1100ms);
     const TimePoint again = simulation.now;
     ParameterAction second{device, Action::save};
@@ -414,14 +415,14 @@ TEST(AnotherDevice, is_not_meant_by_device_info_that_arrives_late) {
                     ParameterAction first{device, Action::save};
                     lost = 1;
                     run(first);
-                    EXPECT_EQ(first.end()->ending, Ending::done) << first.end()->what;
+                    EXPECT_EQ(first.end()->ending, Ending::done) << first.end()->fault.text();
                     simulation.pass(5s);
                     ASSERT_TRUE(device.info());
                     lost = questions = 0;
                 }
                 ParameterAction save{device, Action::save};
                 run(save);
-                EXPECT_EQ(save.end()->ending, Ending::done) << save.end()->what;
+                EXPECT_EQ(save.end()->ending, Ending::done) << save.end()->fault.text();
                 EXPECT_EQ(lost, 2u);
                 EXPECT_LE(questions, 8u);
             }
@@ -449,7 +450,7 @@ TEST(AnotherDevice, device_info_of_a_device_that_is_received_may_take_3_s) {
         set.start(simulation.now);
         simulation.run(set);
         ASSERT_TRUE(set.end());
-        EXPECT_EQ(set.end()->ending, Ending::done) << set.end()->what;
+        EXPECT_EQ(set.end()->ending, Ending::done) << set.end()->fault.text();
         EXPECT_LE(questions, 14u);
     }
 }
@@ -475,7 +476,7 @@ TEST(AnotherDevice, the_missing_device_info_is_reported_without_a_guess) {
             simulation.run(list);
             ASSERT_TRUE(list.end());
             EXPECT_EQ(list.end()->ending, Ending::timeout);
-            const std::string& what = list.end()->what;
+            const std::string& what = list.end()->fault.text();
             EXPECT_EQ(what.find("frames to it may not arrive") != std::string::npos, is_received && !answers) << what;
             EXPECT_EQ(what.find("it has answered other requests") != std::string::npos, is_received && answers) << what;
             const Duration took = simulation.now - begin;
@@ -505,10 +506,10 @@ TEST_F(Varying, device_info_shows_no_other_device) {
         other.link_was_down = down;
         ParameterApply import{device, nullptr, values(), {.also_the_same = true}};
         run(import);
-        EXPECT_EQ(import.end()->ending, Ending::done) << import.end()->what;
+        EXPECT_EQ(import.end()->ending, Ending::done) << import.end()->fault.text();
         ParameterAction save{device, Action::save};
         run(save);
-        EXPECT_EQ(save.end()->ending, Ending::done) << save.end()->what;
+        EXPECT_EQ(save.end()->ending, Ending::done) << save.end()->fault.text();
     }
     acts = 0;
     CommandCall call{device, {0, {16, 0, 2}, {}, false, "LAND"}, {}, true};
@@ -555,7 +556,7 @@ TEST_F(Varying, device_is_not_upgraded_in_place_of_another_one) {
     image.bytes = Bytes(3000);
     Firmware task{device, image};
     run(task);
-    EXPECT_TRUE(task.is_of_another()) << task.end()->what;
+    EXPECT_TRUE(task.is_of_another()) << task.end()->fault.text();
     EXPECT_EQ(of_other.infos + of_other.erases, 0u);
 }
 
@@ -586,7 +587,7 @@ TEST(AnotherDevice, is_not_meant_by_a_counter_in_the_device_info_behind_a_line_t
             put.start(simulation.now);
             simulation.run(put);
             ASSERT_TRUE(put.end());
-            EXPECT_EQ(put.end()->ending, Ending::done) << put.end()->what;
+            EXPECT_EQ(put.end()->ending, Ending::done) << put.end()->fault.text();
         }
 }
 
@@ -620,7 +621,7 @@ TEST_F(Varying, device_info_that_becomes_constant_shows_another_device_again) {
         return std::vector<Bytes>{};
     };
     run(save);
-    EXPECT_TRUE(save.is_of_another()) << save.end()->what;
+    EXPECT_TRUE(save.is_of_another()) << save.end()->fault.text();
     EXPECT_EQ(acts, 1u);
 }
 
@@ -635,12 +636,12 @@ TEST_F(Swapped, a_device_whose_info_varies_gets_a_command_after_each_sign) {
         CommandCall land{device, {0, {16, 0, 2}, {}, false, "LAND"}, {}, false};
         device.link_was_down();
         run(land);
-        EXPECT_EQ(land.end()->ending, Ending::done) << i << land.end()->what;
+        EXPECT_EQ(land.end()->ending, Ending::done) << i << land.end()->fault.text();
         EXPECT_EQ(acted.size(), i);
         ParameterAction save{device, Action::save};
         device.link_was_down();
         run(save);
-        EXPECT_EQ(save.end()->ending, Ending::done) << i << save.end()->what;
+        EXPECT_EQ(save.end()->ending, Ending::done) << i << save.end()->fault.text();
     }
 }
 
@@ -686,7 +687,7 @@ TEST_F(Swapped, a_command_by_its_bytes_is_the_first_frame_after_each_sign) {
         CommandCall land{device, {0, {16, 0, 2}, {}, false, ""}, {}, repeats};
         land.mean_present_device();
         run(land);
-        EXPECT_EQ(land.end()->ending, Ending::done) << land.end()->what;
+        EXPECT_EQ(land.end()->ending, Ending::done) << land.end()->fault.text();
         return fake.heard;
     };
     for (const bool repeats : {false, true})

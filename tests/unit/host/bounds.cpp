@@ -49,7 +49,7 @@ TEST_F(Tardy, device_with_1000_parameters_is_read_completely_in_a_longer_time) {
     all.read_all(simulation.now);
     const Duration took = simulation.run(all, 24h);
     ASSERT_TRUE(all.end());
-    EXPECT_EQ(all.end()->ending, Ending::done) << all.end()->what;
+    EXPECT_EQ(all.end()->ending, Ending::done) << all.end()->fault.text();
     EXPECT_GT(took, 2min);
     EXPECT_LE(took, all.max_duration());
 }
@@ -69,7 +69,8 @@ TEST_F(Tardy, device_is_left_in_its_boot_loader_when_an_upgrade_times_out) {
     const Duration took = simulation.run(upgrade, 24h);
     ASSERT_TRUE(upgrade.end());
     EXPECT_EQ(upgrade.end()->ending, Ending::timeout);
-    EXPECT_EQ(upgrade.end()->what, "0xDC answers too slowly: given up after 6600 s; it is left in its boot loader; start again");
+    EXPECT_EQ(upgrade.end()->fault.text(),
+              "0xDC answers too slowly: given up after 6600 s; it is left in its boot loader; start again");
     EXPECT_LE(took, upgrade.max_duration() + 1min);
 }
 

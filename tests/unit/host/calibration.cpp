@@ -60,7 +60,7 @@ struct Calibrates : testing::Test {
     void begin(Calibration& task) {
         task.start(simulation.now);
         simulation.run(task);
-        ASSERT_EQ(task.step(), Calibration::Step::keep) << (task.end() ? task.end()->what : "");
+        ASSERT_EQ(task.step(), Calibration::Step::keep) << (task.end() ? task.end()->fault.text() : "");
         EXPECT_TRUE(actions.empty()) << "nothing is changed before the old values are kept";
         task.kept(simulation.now);
         simulation.run(task);
@@ -124,7 +124,7 @@ TEST_F(Calibrates, an_accelerometer) {
     for (int i = 0; i < 120; ++i) receive(task, m);
     simulation.run(task);
     ASSERT_TRUE(task.end());
-    EXPECT_EQ(task.end()->ending, Ending::done) << task.end()->what;
+    EXPECT_EQ(task.end()->ending, Ending::done) << task.end()->fault.text();
     EXPECT_EQ(actions, (std::vector<std::uint16_t>{0x20, 0x21}));
     ASSERT_TRUE(task.residuals());
     EXPECT_LT(task.residuals()->second, task.residuals()->first);
@@ -181,7 +181,7 @@ TEST_F(Calibrates, a_compass) {
     }
     simulation.run(task);
     ASSERT_TRUE(task.end());
-    EXPECT_EQ(task.end()->ending, Ending::done) << task.end()->what;
+    EXPECT_EQ(task.end()->ending, Ending::done) << task.end()->fault.text();
     EXPECT_LT(task.verified().value_or(1), 0.02);
     EXPECT_EQ(actions, (std::vector<std::uint16_t>{0x30, 0x31}));
     EXPECT_NEAR(load<float>(stored()[0].data()), 100, 2);
@@ -217,7 +217,7 @@ TEST_F(Calibrates, a_compass_again_when_its_samples_were_corrected_already) {
     }
     simulation.run(task);
     EXPECT_EQ(task.step(), Calibration::Step::turn);
-    EXPECT_EQ(task.last_restart(), "its samples were already corrected");
+    EXPECT_EQ(task.last_restart().text(), "its samples were already corrected");
     EXPECT_FALSE(task.residuals());
     EXPECT_EQ(actions, (std::vector<std::uint16_t>{0x30, 0x30}));
 }
@@ -265,7 +265,7 @@ struct HidesTheClear : Calibrates {
 TEST_F(HidesTheClear, a_compass_is_verified_on_all_sides) {
     Calibration task{device, Sensor::compass, &cache};
     calibrate(task, 6000, {{60, -40, 30}, {1, 1, 1}});
-    EXPECT_EQ(task.end()->ending, Ending::done) << task.end()->what;
+    EXPECT_EQ(task.end()->ending, Ending::done) << task.end()->fault.text();
     EXPECT_NEAR(in_use().offset[0], 110, 2);
     EXPECT_LT(task.verified().value_or(1), 0.005);
 }
@@ -281,7 +281,7 @@ TEST_F(HidesTheClear, a_compass_is_never_calibrated_worse_than_before) {
             if (task.end()->ending == Ending::done) {
                 EXPECT_NEAR(in_use().offset[0], 110, 5) << raw_ones;
             } else {
-                EXPECT_EQ(stored(), old) << task.end()->what;
+                EXPECT_EQ(stored(), old) << task.end()->fault.text();
             }
         }
 }
@@ -345,7 +345,7 @@ TEST_F(Calibrates, and_writes_no_values_that_could_not_be_saved) {
     task.not_kept("the disk is full", simulation.now);
     simulation.run(task);
     ASSERT_TRUE(task.end());
-    EXPECT_EQ(task.end()->what,
+    EXPECT_EQ(task.end()->fault.text(),
               "the new values were not written, because they could not be saved: the disk is full; the old values are restored");
     EXPECT_EQ(stored(), old);
 }
@@ -358,7 +358,7 @@ TEST_F(Calibrates, and_restores_the_old_values_when_the_result_is_rejected) {
     simulation.run(task);
     ASSERT_TRUE(task.end());
     EXPECT_EQ(task.end()->ending, Ending::failed);
-    EXPECT_NE(task.end()->what.find("; the old values are restored"), std::string::npos) << task.end()->what;
+    EXPECT_NE(task.end()->fault.text().find("; the old values are restored"), std::string::npos) << task.end()->fault.text();
     EXPECT_EQ(stored(), old);
     EXPECT_EQ(actions, (std::vector<std::uint16_t>{0x20, 0x21}));
 }
@@ -391,7 +391,7 @@ TEST_F(Calibrates, and_restores_old_values_that_are_not_numbers_bit_for_bit) {
     task.cancel(simulation.now);
     simulation.run(task);
     ASSERT_TRUE(task.end());
-    EXPECT_EQ(task.end()->what, "cancelled; the old values are restored");
+    EXPECT_EQ(task.end()->fault.text(), "cancelled; the old values are restored");
     EXPECT_TRUE(task.has_old_values());
     EXPECT_EQ(stored(), old);
 }
@@ -403,7 +403,7 @@ TEST_F(Calibrates, a_device_whose_old_value_is_not_a_number) {
     begin(task);
     turn(task);
     ASSERT_TRUE(task.end());
-    EXPECT_EQ(task.end()->ending, Ending::done) << task.end()->what;
+    EXPECT_EQ(task.end()->ending, Ending::done) << task.end()->fault.text();
 }
 
 TEST_F(Calibrates, and_restores_the_old_values_of_a_device_that_limits_the_new_ones) {
@@ -414,7 +414,7 @@ TEST_F(Calibrates, and_restores_the_old_values_of_a_device_that_limits_the_new_o
     turn(task);
     ASSERT_TRUE(task.end());
     EXPECT_EQ(task.end()->ending, Ending::refused);
-    EXPECT_EQ(task.end()->what, "CAL_AOFF_X is 20: the device limited it; the old values are restored");
+    EXPECT_EQ(task.end()->fault.text(), "CAL_AOFF_X is 20: the device limited it; the old values are restored");
     EXPECT_EQ(stored(), old);
 }
 
@@ -428,7 +428,7 @@ TEST_F(Calibrates, a_device_that_stores_thousandths) {
     begin(task);
     turn(task);
     ASSERT_TRUE(task.end());
-    EXPECT_EQ(task.end()->ending, Ending::done) << task.end()->what;
+    EXPECT_EQ(task.end()->ending, Ending::done) << task.end()->fault.text();
     const auto has = stored();
     for (std::size_t i = 0; i < has.size(); ++i) EXPECT_EQ(f32(std::get<double>(task.new_values()[i].second)), has[i]) << i;
     EXPECT_NE(has, old);
@@ -442,7 +442,7 @@ TEST_F(Calibrates, and_restores_the_old_values_of_a_device_that_does_not_store_t
     turn(task);
     ASSERT_TRUE(task.end());
     EXPECT_EQ(task.end()->ending, Ending::refused);
-    EXPECT_EQ(task.end()->what, "0xDC does not keep CAL_AOFF_Y; the old values are restored");
+    EXPECT_EQ(task.end()->fault.text(), "0xDC does not keep CAL_AOFF_Y; the old values are restored");
     EXPECT_EQ(stored(), old);
 }
 
@@ -471,13 +471,13 @@ TEST_F(Calibrates, and_reports_that_the_old_values_of_a_lost_device_are_not_rest
     task.cancel(simulation.now);
     EXPECT_LT(simulation.run(task), 1min);
     ASSERT_TRUE(task.end());
-    EXPECT_NE(task.end()->what.find("could not be written back"), std::string::npos) << task.end()->what;
+    EXPECT_NE(task.end()->fault.text().find("could not be written back"), std::string::npos) << task.end()->fault.text();
     fake.deaf = false;
     CalibrationWrite later{device, &cache, Sensor::accelerometer, task.old_values()};
     later.start(simulation.now);
     simulation.run(later);
     ASSERT_TRUE(later.end());
-    EXPECT_EQ(later.end()->ending, Ending::done) << later.end()->what;
+    EXPECT_EQ(later.end()->ending, Ending::done) << later.end()->fault.text();
 }
 
 TEST_F(Calibrates, nothing_when_the_parameters_are_missing_or_in_the_wrong_order) {

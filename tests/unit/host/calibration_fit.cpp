@@ -117,7 +117,7 @@ TEST(SixFaces, find_the_errors_of_a_sensor) {
     for (std::size_t face = 0; face < 6; ++face) lie(faces, raw_of(skewed, gravity_on(face)), random);
     ASSERT_TRUE(faces.is_complete());
     const auto fit = faces.fit({});
-    ASSERT_TRUE(fit.calibration) << fit.wrong;
+    ASSERT_TRUE(fit.calibration) << fit.wrong.text();
     for (std::size_t i = 0; i < 3; ++i) {
         EXPECT_NEAR(fit.calibration->offset[i], skewed.offset[i], 1.5);
         EXPECT_NEAR(fit.calibration->sensitivity[i], skewed.sensitivity[i], 0.003);
@@ -141,7 +141,7 @@ TEST(SixFaces, that_are_no_better_than_before_are_rejected) {
     const auto fit = faces.fit(skewed);
     EXPECT_FALSE(fit.calibration);
     EXPECT_GE(fit.after, fit.before);
-    EXPECT_EQ(fit.wrong.find("the old values are as good: "), 0u) << fit.wrong;
+    EXPECT_EQ(fit.wrong.text().find("the old values are as good: "), 0u) << fit.wrong.text();
 }
 
 TEST(SixFaces, that_were_not_level_are_rejected) {
@@ -213,7 +213,7 @@ TEST(SixFaces, that_are_not_all_measured_are_rejected) {
     support::Random random{1};
     SixFaces faces;
     lie(faces, gravity_on(0), random);
-    EXPECT_EQ(faces.fit({}).wrong, "only 1 of 6 faces were measured");
+    EXPECT_EQ(faces.fit({}).wrong.text(), "only 1 of 6 faces were measured");
 }
 
 // Spread evenly over the sphere, up to `top` of its height.
@@ -246,7 +246,7 @@ TEST(CompassSphere, finds_offset_and_sensitivity) {
     ASSERT_TRUE(sphere.is_complete());
     EXPECT_EQ(sphere.coverage(), 1);
     const auto fit = sphere.fit({});
-    ASSERT_TRUE(fit.calibration) << fit.wrong;
+    ASSERT_TRUE(fit.calibration) << fit.wrong.text();
     for (std::size_t i = 0; i < 3; ++i) {
         EXPECT_NEAR(fit.calibration->offset[i], iron.offset[i], 2);
         EXPECT_NEAR(fit.calibration->sensitivity[i], iron.sensitivity[i], 0.01);
@@ -262,7 +262,7 @@ TEST(CompassSphere, shows_which_directions_are_missing) {
     EXPECT_FALSE(sphere.is_complete());
     EXPECT_GT(sphere.map().count(), 0u);
     EXPECT_LT(sphere.coverage(), CompassSphere::enough);
-    EXPECT_EQ(sphere.fit({}).wrong.substr(0, 5), "only ");
+    EXPECT_EQ(sphere.fit({}).wrong.text().substr(0, 5), "only ");
 }
 
 TEST(CompassSphere, stores_a_limited_number_of_samples_of_one_direction) {

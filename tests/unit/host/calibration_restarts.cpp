@@ -20,7 +20,7 @@ std::ptrdiff_t clears(const CalibrationBench& bench) { return std::count(bench.a
 void is_calibrated(CalibrationBench& bench) {
     bench.run();
     ASSERT_TRUE(bench.task.end());
-    EXPECT_EQ(bench.task.end()->ending, Ending::done) << bench.task.end()->what;
+    EXPECT_EQ(bench.task.end()->ending, Ending::done) << bench.task.end()->fault.text();
     EXPECT_LT(bench.worst_face(), 2);
     EXPECT_LE(bench.task.verified().value_or(1000), 4 + 3 * bench.task.residuals()->second);
 }
@@ -61,7 +61,7 @@ TEST(CalibrationRestarts, the_scaled_old_values_of_an_older_device_are_restored)
     bench.uses_nothing = true;
     bench.run();
     ASSERT_TRUE(bench.task.end());
-    EXPECT_TRUE(bench.task.has_old_values()) << bench.task.end()->what;
+    EXPECT_TRUE(bench.task.has_old_values()) << bench.task.end()->fault.text();
     EXPECT_EQ(bench.flash, old);
 }
 
@@ -73,7 +73,7 @@ TEST(CalibrationRestarts, an_older_device_with_a_coarse_scale_keeps_its_old_valu
     const auto old = bench.flash;
     bench.run();
     ASSERT_TRUE(bench.task.end());
-    EXPECT_EQ(bench.task.end()->what,
+    EXPECT_EQ(bench.task.end()->fault.text(),
               "rejected: the device can't store the new values precisely enough; the old values are restored");
     EXPECT_GT(bench.task.residuals()->second, 5);
     EXPECT_LT(bench.task.residuals()->second, SixFaces::max_residual) << "it may be below that";
@@ -86,7 +86,7 @@ TEST(CalibrationRestarts, that_only_the_values_show_are_detected_before_the_fit)
     bench.restart(0s);
     is_calibrated(bench);
     EXPECT_EQ(bench.task.restarts(), 1u);
-    EXPECT_EQ(bench.task.last_restart(), "it has other calibration values than after the clear");
+    EXPECT_EQ(bench.task.last_restart().text(), "it has other calibration values than after the clear");
     EXPECT_EQ(clears(bench), 2);
 }
 
@@ -119,7 +119,7 @@ TEST(CalibrationRestarts, unrequested_device_info_counts_as_a_restart) {
     bench.restart(0s);
     bench.announce();
     EXPECT_EQ(bench.task.step(), Step::clear);
-    EXPECT_EQ(bench.task.last_restart(), "it sent its device info unasked");
+    EXPECT_EQ(bench.task.last_restart().text(), "it sent its device info unasked");
     is_calibrated(bench);
     EXPECT_EQ(clears(bench), 2);
 }
@@ -151,7 +151,7 @@ TEST(CalibrationRestarts, after_the_store_are_detected_by_the_values) {
         bench.restart(200ms);
         bench.run();
         ASSERT_TRUE(bench.task.end());
-        EXPECT_EQ(bench.task.end()->ending, Ending::failed) << bench.task.end()->what;
+        EXPECT_EQ(bench.task.end()->ending, Ending::failed) << bench.task.end()->fault.text();
         EXPECT_TRUE(bench.task.has_old_values());
         EXPECT_EQ(bench.flash, old);
     }
@@ -163,7 +163,7 @@ TEST(CalibrationRestarts, changed_device_info_counts_as_a_restart) {
     bench.device.expect_info(bench.now);
     bench.announce(101);
     EXPECT_EQ(bench.task.step(), Step::clear);
-    EXPECT_EQ(bench.task.last_restart(), "its device info has changed");
+    EXPECT_EQ(bench.task.last_restart().text(), "its device info has changed");
 }
 
 // Other sensitivities, for a sensor without offsets: the face on which it lies last does not show the error.
@@ -187,7 +187,7 @@ TEST(CalibrationRestarts, directly_after_the_clear_are_detected) {
             };
             is_calibrated(bench);
             EXPECT_EQ(bench.task.restarts(), 1u);
-            EXPECT_EQ(bench.task.last_restart().find("no samples for "), 0u) << bench.task.last_restart();
+            EXPECT_EQ(bench.task.last_restart().text().find("no samples for "), 0u) << bench.task.last_restart().text();
         }
 }
 
@@ -201,7 +201,7 @@ TEST(CalibrationRestarts, that_only_the_samples_show_are_detected_in_the_fit) {
     };
     is_calibrated(bench);
     EXPECT_EQ(bench.task.restarts(), 1u);
-    EXPECT_EQ(bench.task.last_restart(), "its samples were already corrected");
+    EXPECT_EQ(bench.task.last_restart().text(), "its samples were already corrected");
     EXPECT_EQ(clears(bench), 2);
 }
 
@@ -219,20 +219,20 @@ TEST(CalibrationRestarts, a_gap_before_the_first_sample_is_compared_with_the_rat
     const TimePoint start{};
     RestartWatch fast{device, start};
     fast.sampled(start + 700ms);
-    EXPECT_FALSE(fast.sign(device)) << "its pace is not known yet";
+    EXPECT_TRUE(fast.sign(device).empty()) << "its pace is not known yet";
     fast.sampled(start + 710ms);
     fast.sampled(start + 720ms);
-    EXPECT_EQ(fast.sign(device), "no samples for 0.7 s");
+    EXPECT_EQ(fast.sign(device).text(), "no samples for 0.7 s");
     RestartWatch slow{device, start};
     slow.sampled(start + 700ms);
     slow.sampled(start + 1700ms);
     slow.sampled(start + 2700ms);
-    EXPECT_FALSE(slow.sign(device));
+    EXPECT_TRUE(slow.sign(device).empty());
     RestartWatch after_one{device, start};    // that was in flight
     after_one.sampled(start);
     TimePoint now = start + 700ms;
     for (int i = 0; i < 20; ++i) after_one.sampled(now += 10ms);
-    EXPECT_EQ(after_one.sign(device), "no samples for 0.7 s");
+    EXPECT_EQ(after_one.sign(device).text(), "no samples for 0.7 s");
 }
 
 TEST(CalibrationRestarts, unrequested_device_info_directly_after_an_answer_counts_as_a_restart) {
@@ -244,7 +244,7 @@ TEST(CalibrationRestarts, unrequested_device_info_directly_after_an_answer_count
     EXPECT_EQ(bench.task.step(), Step::turn);
     bench.restart(0s);
     bench.announce();
-    EXPECT_EQ(bench.task.last_restart(), "it sent its device info unasked");
+    EXPECT_EQ(bench.task.last_restart().text(), "it sent its device info unasked");
     is_calibrated(bench);
     EXPECT_EQ(clears(bench), 2);
 }
@@ -255,9 +255,9 @@ TEST(CalibrationRestarts, a_gap_of_a_slow_device_is_compared_with_its_rate) {
     RestartWatch watch{device, TimePoint{}};
     TimePoint now{};
     for (int i = 0; i < 20; ++i) watch.sampled(now += 1s);
-    EXPECT_FALSE(watch.sign(device));
+    EXPECT_TRUE(watch.sign(device).empty());
     watch.sampled(now += 3100ms);
-    EXPECT_EQ(watch.sign(device), "no samples for 3.1 s");
+    EXPECT_EQ(watch.sign(device).text(), "no samples for 3.1 s");
 }
 
 TEST(CalibrationRestarts, six_times_in_a_row_end_the_calibration) {
@@ -270,7 +270,7 @@ TEST(CalibrationRestarts, six_times_in_a_row_end_the_calibration) {
     bench.run();
     ASSERT_TRUE(bench.task.end());
     EXPECT_EQ(bench.task.end()->ending, Ending::failed);
-    EXPECT_EQ(bench.task.end()->what, "0xDC restarted 6 times (no samples for 0.6 s); the old values are restored");
+    EXPECT_EQ(bench.task.end()->fault.text(), "0xDC restarted 6 times (no samples for 0.6 s); the old values are restored");
 }
 
 // The device erases flash, for instance. Whether it restarted can't be seen.
@@ -288,9 +288,10 @@ TEST(CalibrationRestarts, silence_after_each_clear_is_reported_and_ends_the_cali
         const TimePoint begin = bench.now;
         bench.run();
         ASSERT_TRUE(bench.task.end());
-        EXPECT_EQ(bench.task.end()->what, std::string{"0xDC was silent for "} + words +
-                                              " after each of 3 clears, which can't be distinguished from a restart with its old "
-                                              "calibration; the old values are restored");
+        EXPECT_EQ(bench.task.end()->fault.text(),
+                  std::string{"0xDC was silent for "} + words +
+                      " after each of 3 clears, which can't be distinguished from a restart with its old "
+                      "calibration; the old values are restored");
         EXPECT_EQ(clears(bench), 3);
         EXPECT_LT(bench.now - begin, 3 * silence + 3s);
         EXPECT_EQ(bench.flash, old);
@@ -307,8 +308,9 @@ TEST(CalibrationRestarts, without_any_sign_are_detected_by_the_corrected_samples
     bench.run();
     ASSERT_TRUE(bench.task.end());
     EXPECT_EQ(bench.task.end()->ending, Ending::failed) << bench.worst_face();
-    EXPECT_NE(bench.task.end()->what.find("not verified: "), std::string::npos) << bench.task.end()->what;
-    EXPECT_NE(bench.task.end()->what.find("; the old values are restored"), std::string::npos) << bench.task.end()->what;
+    EXPECT_NE(bench.task.end()->fault.text().find("not verified: "), std::string::npos) << bench.task.end()->fault.text();
+    EXPECT_NE(bench.task.end()->fault.text().find("; the old values are restored"), std::string::npos)
+        << bench.task.end()->fault.text();
     EXPECT_EQ(bench.flash, old);
 }
 
@@ -329,7 +331,7 @@ TEST(CalibrationRestarts, the_old_values_of_a_device_that_uses_another_formula_a
         bench.run();
         ASSERT_TRUE(bench.task.end());
         EXPECT_EQ(bench.task.end()->ending, Ending::failed) << bench.worst_face();
-        EXPECT_EQ(bench.task.end()->what.find("not verified: "), 0u) << bench.task.end()->what;
+        EXPECT_EQ(bench.task.end()->fault.text().find("not verified: "), 0u) << bench.task.end()->fault.text();
         EXPECT_EQ(bench.flash, old);
     }
 }
@@ -349,7 +351,7 @@ TEST(CalibrationRestarts, the_old_values_are_restored_when_the_device_stores_but
     bench.run();
     ASSERT_TRUE(bench.task.end());
     EXPECT_EQ(bench.task.end()->ending, Ending::failed);
-    EXPECT_NE(bench.task.end()->what.find("cm/s² on -z instead of"), std::string::npos) << bench.task.end()->what;
+    EXPECT_NE(bench.task.end()->fault.text().find("cm/s² on -z instead of"), std::string::npos) << bench.task.end()->fault.text();
     EXPECT_LT(bench.now - stored_at, Calibration::time_to_verify + 5s);
     EXPECT_EQ(bench.flash, old);
     EXPECT_TRUE(bench.task.has_old_values());
@@ -363,7 +365,7 @@ TEST(CalibrationRestarts, the_old_values_are_restored_when_the_device_is_moved_b
     bench.run();
     ASSERT_TRUE(bench.task.end());
     EXPECT_EQ(
-        bench.task.end()->what,
+        bench.task.end()->fault.text(),
         "the new values could not be verified: it did not lie still on -z when they were stored; the old values are restored");
     EXPECT_EQ(bench.flash, old);
 }
@@ -378,8 +380,8 @@ TEST(CalibrationRestarts, a_lost_device_is_reported_within_five_seconds) {
         bench.run();
         ASSERT_TRUE(bench.task.end());
         EXPECT_LE(bench.now - died, 5s) << int(step);
-        EXPECT_NE(bench.task.end()->what.find("the old values could not be written back"), std::string::npos)
-            << bench.task.end()->what;
+        EXPECT_NE(bench.task.end()->fault.text().find("the old values could not be written back"), std::string::npos)
+            << bench.task.end()->fault.text();
         EXPECT_FALSE(bench.task.has_old_values());
     }
 }
@@ -399,7 +401,8 @@ TEST(CalibrationRestarts, a_device_that_sends_no_samples_is_reported) {
     }
     ASSERT_TRUE(bench.task.end());
     EXPECT_LE(bench.now - last_heard, 6s);
-    EXPECT_EQ(bench.task.end()->what, "0xDC is online, but sends no samples: inertial (0x01); the old values are restored");
+    EXPECT_EQ(bench.task.end()->fault.text(),
+              "0xDC is online, but sends no samples: inertial (0x01); the old values are restored");
 }
 
 // For any time and duration of the restart, the stored values at the end are right, or are the old ones.
@@ -424,7 +427,7 @@ TEST(CalibrationRestarts, at_any_time_never_leave_a_wrong_calibration) {
                 if (is_good) {
                     ASSERT_LT(bench.worst_face(), is_seen ? 2 : 4) << at.count() << ' ' << silence.count() << ' ' << shows;
                 } else {
-                    ASSERT_EQ(bench.flash, old) << bench.task.end()->what;
+                    ASSERT_EQ(bench.flash, old) << bench.task.end()->fault.text();
                 }
             }
     EXPECT_GT(good, 20 * undone) << good << ' ' << undone;
@@ -444,7 +447,7 @@ void has_right_values(CalibrationBench& bench, const std::string& what) {
     if (bench.task.end()->ending == Ending::done) {
         ASSERT_LT(bench.worst_face(), 4) << what;
     } else {
-        ASSERT_EQ(bench.flash, old) << what << ": " << bench.task.end()->what;
+        ASSERT_EQ(bench.flash, old) << what << ": " << bench.task.end()->fault.text();
     }
 }
 

@@ -30,7 +30,7 @@ TEST(CalibrationSamples, that_arrive_late_from_before_the_clear_or_the_store_do_
             CalibrationBench bench;
             bench.late = late;
             bench.shows_the_clear = shows_the_clear;
-            EXPECT_TRUE(is_calibrated(bench)) << late / 1ms << " ms: " << bench.task.end()->what;
+            EXPECT_TRUE(is_calibrated(bench)) << late / 1ms << " ms: " << bench.task.end()->fault.text();
             EXPECT_LT(bench.worst_face(), 2) << late / 1ms << " ms";
         }
 }
@@ -42,7 +42,7 @@ TEST(CalibrationSamples, of_a_device_with_a_low_pass_count_once_they_have_settle
             CalibrationBench bench;
             bench.step = step;
             bench.smooths = smooths;
-            EXPECT_TRUE(is_calibrated(bench)) << step / 1ms << " ms " << smooths << " s: " << bench.task.end()->what;
+            EXPECT_TRUE(is_calibrated(bench)) << step / 1ms << " ms " << smooths << " s: " << bench.task.end()->fault.text();
             EXPECT_LT(bench.worst_face(), smooths > 1 ? 8 : 5) << step / 1ms << " ms, " << smooths << " s";
         }
 }
@@ -73,7 +73,7 @@ TEST(CalibrationSamples, of_faces_that_are_not_level_never_make_a_good_calibrati
             bench.lays = lays;
             bench.run(12min);
             ASSERT_TRUE(bench.task.end());
-            EXPECT_LT(bench.worst_face(), 1) << off << " rad, seed " << lays << ": " << bench.task.end()->what;
+            EXPECT_LT(bench.worst_face(), 1) << off << " rad, seed " << lays << ": " << bench.task.end()->fault.text();
         }
 }
 
@@ -90,7 +90,7 @@ TEST(CalibrationSamples, of_faces_that_are_not_level_calibrate_a_device_that_was
             bench.lies_off = off;
             bench.run(12min);
             ASSERT_TRUE(bench.task.end());
-            EXPECT_EQ(bench.task.end()->ending, Ending::done) << bench.task.end()->what;
+            EXPECT_EQ(bench.task.end()->ending, Ending::done) << bench.task.end()->fault.text();
             EXPECT_LT(bench.worst_face(), 3) << off << " rad";
             EXPECT_LT(bench.task.verified().value_or(1000), 3);
         }
@@ -108,7 +108,7 @@ TEST(CalibrationSamples, of_a_device_that_sways_slowly_never_make_a_good_calibra
             bench.sways_in = period;
             bench.run(12min);
             ASSERT_TRUE(bench.task.end());
-            EXPECT_LT(bench.worst_face(), 2) << sways << " rad, " << period / 1s << " s: " << bench.task.end()->what;
+            EXPECT_LT(bench.worst_face(), 2) << sways << " rad, " << period / 1s << " s: " << bench.task.end()->fault.text();
         }
 }
 

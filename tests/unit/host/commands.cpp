@@ -38,7 +38,7 @@ struct CommandsOf : testing::Test {
         CommandCall task{device, command, std::move(values), repeat};
         task.start(simulation.now);
         took = simulation.run(task);
-        return task.end().value_or(End{Ending::cancelled, "", {}});
+        return task.end().value_or(End{Ending::cancelled, {}, {}});
     }
     Duration took{};
 };
@@ -82,7 +82,7 @@ TEST_F(CommandsOf, a_device_that_does_not_show_the_meaning_of_type_7_are_not_cal
         EXPECT_TRUE(commands[0].has_open_type);
         const End end = call(commands[0], {0.5});
         EXPECT_EQ(end.ending, Ending::invalid);
-        EXPECT_EQ(end.what,
+        EXPECT_EQ(end.fault.text(),
                   "seven has a value of type 7, which is f32 in older devices and u64 in newer ones, and the device's "
                   "descriptions do "
                   "not show which: state it once (type7)");
@@ -117,7 +117,7 @@ TEST_F(CommandsOf, a_command_without_a_description_is_reported) {
     simulation.run(commands);
     ASSERT_TRUE(commands.end());
     EXPECT_EQ(commands.end()->ending, Ending::incomplete);
-    EXPECT_EQ(commands.end()->what, "command 4 was not described");
+    EXPECT_EQ(commands.end()->fault.text(), "command 4 was not described");
     EXPECT_NE(commands.find("unlock"), nullptr);
     EXPECT_EQ(commands.find("odd"), nullptr);
 }
@@ -146,9 +146,9 @@ TEST_F(CommandsOf, a_call_packs_its_values) {
 
 TEST_F(CommandsOf, values_are_checked_in_number_type_and_range) {
     const auto commands = read();
-    EXPECT_EQ(call(commands[1], {std::int64_t{1}}).what, "take off needs 2 values, not 1");
-    EXPECT_EQ(call(commands[1], {std::int64_t{70'000}, 0.5}).what, "take off: value 1, 70000, is out of range for u16");
-    EXPECT_EQ(call(commands[1], {1.5, 0.5}).what, "take off: value 1, 1.5, is not whole for u16");
+    EXPECT_EQ(call(commands[1], {std::int64_t{1}}).fault.text(), "take off needs 2 values, not 1");
+    EXPECT_EQ(call(commands[1], {std::int64_t{70'000}, 0.5}).fault.text(), "take off: value 1, 70000, is out of range for u16");
+    EXPECT_EQ(call(commands[1], {1.5, 0.5}).fault.text(), "take off: value 1, 1.5, is not whole for u16");
     EXPECT_EQ(call(commands[1], {std::string{"x"}, 0.5}).ending, Ending::invalid);
     EXPECT_EQ(call(commands[4], {std::int64_t{1}}).ending, Ending::unsupported);
     EXPECT_TRUE(fake.heard.empty());
@@ -159,7 +159,7 @@ TEST_F(CommandsOf, a_call_is_sent_once_and_has_an_unknown_result_without_an_answ
     fake.deaf = true;
     const End end = call(commands[0], {});
     EXPECT_EQ(end.ending, Ending::unknown);
-    EXPECT_EQ(end.what, "no answer to unlock: it may have been carried out");
+    EXPECT_EQ(end.fault.text(), "no answer to unlock: it may have been carried out");
     EXPECT_EQ(fake.heard.size(), 1u);
     EXPECT_EQ(took, std::chrono::seconds{2});
 }
@@ -173,11 +173,11 @@ TEST_F(CommandsOf, an_acknowledgement_with_wrong_check_bytes_ends_a_call_at_once
     const End end = call(commands[0], {});
     EXPECT_LT(simulation.now - begin, std::chrono::milliseconds{100});
     EXPECT_EQ(end.ending, Ending::unknown);
-    EXPECT_EQ(end.what, "0xDC acknowledged unlock with wrong check bytes (C0 59 77): it has probably been carried out");
+    EXPECT_EQ(end.fault.text(), "0xDC acknowledged unlock with wrong check bytes (C0 59 77): it has probably been carried out");
     EXPECT_EQ(fake.heard.size(), 1u) << "it is never repeated by itself";
     const End repeated = call(commands[0], {}, true);
     EXPECT_EQ(repeated.ending, Ending::unknown);
-    EXPECT_EQ(repeated.what, end.what);
+    EXPECT_EQ(repeated.fault.text(), end.fault.text());
     EXPECT_LT(simulation.now - begin, std::chrono::milliseconds{300});
     EXPECT_EQ(fake.heard.size(), 1u) << "each send would run it again";
 }
@@ -199,11 +199,12 @@ TEST_F(CommandsOf, an_acknowledgement_from_a_port_of_the_device_ends_a_call_and_
     };
     const End end = call(commands[0], {});
     EXPECT_EQ(end.ending, Ending::done);
-    EXPECT_EQ(end.what, "acknowledged by 0x05, a port");
+    EXPECT_EQ(end.fault.text(), "acknowledged by 0x05, a port");
     fake.instead = [&](FrameView f) -> std::optional<std::vector<Bytes>> {
         return std::vector<Bytes>{support::frame(0x05, 0xFE, 0x00, {f.id(), f.checks().sum, 0x77})};
     };
-    EXPECT_EQ(call(commands[0], {}).what, "no answer to unlock: it may have been carried out") << "it may be of another device";
+    EXPECT_EQ(call(commands[0], {}).fault.text(), "no answer to unlock: it may have been carried out")
+        << "it may be of another device";
 }
 
 // Calls in which the test passes the frames itself.
@@ -227,7 +228,7 @@ struct HandCalls : CommandsOf {
     static void expect_ambiguous(const CommandCall& call) {
         ASSERT_TRUE(call.end());
         EXPECT_EQ(call.end()->ending, Ending::unknown);
-        EXPECT_EQ(call.end()->what,
+        EXPECT_EQ(call.end()->fault.text(),
                   "0xDC acknowledged unlock, which was sent more than once: the acknowledgement does not show "
                   "which of them was carried out");
     }
@@ -251,7 +252,7 @@ TEST_F(HandCalls, an_equal_call_is_sent_at_once_after_a_call_without_an_answer) 
     const auto third = call_now(0);
     EXPECT_EQ(frame_now(), sent);
     EXPECT_EQ(device.take(FrameView{answer_to(*sent)}, now), Taken::ended);
-    EXPECT_EQ(third->end()->what, "") << "so late no answer to the first comes";
+    EXPECT_EQ(third->end()->fault.text(), "") << "so late no answer to the first comes";
 }
 
 TEST_F(HandCalls, a_late_acknowledgement_of_the_first_call_is_not_taken_for_one_of_an_equal_call_that_was_lost) {
@@ -279,7 +280,7 @@ TEST_F(HandCalls, calls_in_flight_are_distinguished_if_their_bytes_differ) {
     ASSERT_TRUE(sent && sent_other);
     EXPECT_EQ(device.take(FrameView{answer_to(*sent_other)}, now), Taken::ended);
     ASSERT_TRUE(other.end());
-    EXPECT_EQ(other.end()->what, "");
+    EXPECT_EQ(other.end()->fault.text(), "");
     EXPECT_FALSE(first->end());
 
     const auto equal = call_now(0);
@@ -288,7 +289,7 @@ TEST_F(HandCalls, calls_in_flight_are_distinguished_if_their_bytes_differ) {
     expect_ambiguous(*first);
     EXPECT_FALSE(equal->end());
     EXPECT_EQ(device.take(FrameView{answer_to(*sent)}, now), Taken::ended);
-    EXPECT_EQ(equal->end()->what, "") << "both were acknowledged";
+    EXPECT_EQ(equal->end()->fault.text(), "") << "both were acknowledged";
 }
 
 TEST_F(CommandsOf, a_call_is_the_next_frame_while_a_long_list_is_read) {

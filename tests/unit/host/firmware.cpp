@@ -49,24 +49,24 @@ TEST(FirmwareFile, a_large_file_is_read_in_pieces_and_its_crc_covers_the_whole_f
                                }};
     for (const Crc16& crc : crcs16) {
         const auto read = read_firmware(pieces, crc);
-        ASSERT_TRUE(read.image) << read.wrong;
+        ASSERT_TRUE(read.image) << read.wrong.text();
         EXPECT_EQ(read.image->crc, crc16_of(file, crc)) << crc.name;
     }
     EXPECT_LE(largest, 16'384u);
     const FirmwareBytes broken{file.size(), [](std::size_t at, std::span<std::uint8_t>) { return at < 50'000; }};
-    EXPECT_EQ(read_firmware(broken).wrong, "the file can't be read");
+    EXPECT_EQ(read_firmware(broken).wrong.text(), "the file can't be read");
 }
 
 TEST(FirmwareFile, a_bia_is_read_by_its_header) {
     const auto read = read_firmware(bia(bytes_of(500), 0xDC, 90, 110));
-    ASSERT_TRUE(read.image) << read.wrong;
+    ASSERT_TRUE(read.image) << read.wrong.text();
     EXPECT_EQ(all_of(read.image->bytes), bytes_of(500));
     EXPECT_EQ(read.image->version, 321);
     EXPECT_EQ(read.image->cmd, 0x12345678u);
-    EXPECT_FALSE(read.image->misfit({0xDC, 100, 0, 0, 0, ""}));
-    EXPECT_EQ(read.image->misfit({0xDD, 100, 0, 0, 0, ""}), "it is for hardware 0xDC, the device is 0xDD");
-    EXPECT_EQ(read.image->misfit({0xDC, 111, 0, 0, 0, ""}), "it is for hardware versions 90 to 110, the device is 111");
-    EXPECT_TRUE(read.image->misfit({0xDC, 89, 0, 0, 0, ""}));
+    EXPECT_TRUE(read.image->misfit({0xDC, 100, 0, 0, 0, ""}).empty());
+    EXPECT_EQ(read.image->misfit({0xDD, 100, 0, 0, 0, ""}).text(), "it is for hardware 0xDC, the device is 0xDD");
+    EXPECT_EQ(read.image->misfit({0xDC, 111, 0, 0, 0, ""}).text(), "it is for hardware versions 90 to 110, the device is 111");
+    EXPECT_FALSE(read.image->misfit({0xDC, 89, 0, 0, 0, ""}).empty());
 }
 
 TEST(FirmwareFile, a_bin_is_an_image_for_any_hardware) {
@@ -74,14 +74,14 @@ TEST(FirmwareFile, a_bin_is_an_image_for_any_hardware) {
     ASSERT_TRUE(read.image);
     EXPECT_EQ(read.image->crc, crc16_of(bytes_of(500), *find_crc16("crc16/xmodem")));
     EXPECT_TRUE(read.image->is_for_any_hardware());
-    EXPECT_FALSE(read.image->misfit({0xDD, 1, 0, 0, 0, ""}));
+    EXPECT_TRUE(read.image->misfit({0xDD, 1, 0, 0, 0, ""}).empty());
 }
 
 TEST(FirmwareFile, an_invalid_file_is_rejected_with_the_reason) {
-    EXPECT_EQ(read_firmware({}).wrong, "the file is empty");
+    EXPECT_EQ(read_firmware({}).wrong.text(), "the file is empty");
     Bytes cut = bia(bytes_of(10), 0xDC, 1, 2);
     cut.resize(100);
-    EXPECT_EQ(read_firmware(cut).wrong, "the file ends in its header: it is cut off");
+    EXPECT_EQ(read_firmware(cut).wrong.text(), "the file ends in its header: it is cut off");
     EXPECT_FALSE(read_firmware(bia(bytes_of(10), 0xDC, 3, 2)).image);
     EXPECT_FALSE(read_firmware(Bytes(FirmwareImage::max_bytes + 1)).image);
     for (std::size_t n = 1; n < 120; ++n) {
@@ -113,7 +113,7 @@ struct Upgrade : testing::Test {
 
 TEST_F(Upgrade, writes_the_image_and_succeeds_after_the_check_of_the_device) {
     const auto task = run();
-    EXPECT_EQ(task->end()->ending, Ending::done) << task->end()->what;
+    EXPECT_EQ(task->end()->ending, Ending::done) << task->end()->fault.text();
     EXPECT_EQ(loader.flash, bytes_of(3000));
     EXPECT_EQ(loader.frames, 16u);    // 15 of 195 bytes and one of 75
     EXPECT_EQ(task->progress().done, 3000u);
@@ -167,7 +167,7 @@ TEST_F(Upgrade, succeeds_over_a_line_that_loses_duplicates_and_reorders_frames) 
         task.start(bad.now);
         bad.run(task);
         ASSERT_TRUE(task.end());
-        EXPECT_EQ(task.end()->ending, Ending::done) << "seed " << seed << ": " << task.end()->what;
+        EXPECT_EQ(task.end()->ending, Ending::done) << "seed " << seed << ": " << task.end()->fault.text();
         EXPECT_EQ(loader.flash, bytes_of(3000));
         EXPECT_GT(task.repeats(), 0u);
     }
@@ -177,7 +177,7 @@ TEST_F(Upgrade, ends_before_any_change_if_the_device_refuses_the_image) {
     loader.refuses = true;
     const auto task = run();
     EXPECT_EQ(task->end()->ending, Ending::refused);
-    EXPECT_EQ(task->end()->what, "0xDC does not want this image");
+    EXPECT_EQ(task->end()->fault.text(), "0xDC does not want this image");
     EXPECT_EQ(loader.erases, 0u);
 }
 
@@ -185,7 +185,7 @@ TEST_F(Upgrade, repeats_an_erase_only_after_a_minute) {
     loader.erases_silently = true;
     const auto task = run();
     EXPECT_EQ(task->end()->ending, Ending::timeout);
-    EXPECT_EQ(task->end()->what, "0xDC stopped answering: erasing; it is left in its boot loader; start again");
+    EXPECT_EQ(task->end()->fault.text(), "0xDC stopped answering: erasing; it is left in its boot loader; start again");
     EXPECT_EQ(loader.erases, 4u);
     EXPECT_GE(took, 240s);
     EXPECT_LT(took, 250s);
@@ -195,7 +195,7 @@ TEST_F(Upgrade, reports_a_failed_erase) {
     loader.cannot_erase = true;
     const auto task = run();
     EXPECT_EQ(task->end()->ending, Ending::failed);
-    EXPECT_EQ(task->end()->what, "the device could not erase; it is left in its boot loader; start again");
+    EXPECT_EQ(task->end()->fault.text(), "the device could not erase; it is left in its boot loader; start again");
 }
 
 TEST_F(Upgrade, a_frame_that_failed_is_sent_again_and_counted) {
@@ -217,7 +217,7 @@ TEST_F(Upgrade, ends_when_a_frame_always_fails) {
     loader.fails_frame_7 = 100;
     const auto task = run();
     EXPECT_EQ(task->end()->ending, Ending::failed);
-    EXPECT_EQ(task->end()->what, "the device could not write frame 7; it is left in its boot loader; start again");
+    EXPECT_EQ(task->end()->fault.text(), "the device could not write frame 7; it is left in its boot loader; start again");
     EXPECT_TRUE(task->is_left_in_loader());
 }
 
@@ -225,7 +225,7 @@ TEST_F(Upgrade, ends_within_its_time_limit_when_the_device_becomes_silent_in_the
     loader.dies_at = 9;
     const auto task = run();
     EXPECT_EQ(task->end()->ending, Ending::timeout);
-    EXPECT_EQ(task->end()->what, "0xDC stopped answering: sending; it is left in its boot loader; start again");
+    EXPECT_EQ(task->end()->fault.text(), "0xDC stopped answering: sending; it is left in its boot loader; start again");
     EXPECT_GE(took, 2 * Firmware::patience_unheard);
     EXPECT_LT(took, 2 * Firmware::patience_unheard + 10s);
     EXPECT_EQ(loader.infos, 2u) << "it may have lost the upgrade: begun again once";
@@ -236,7 +236,7 @@ TEST_F(Upgrade, waits_half_a_minute_for_the_check_of_the_device_after_the_last_f
     const auto task = run();
     EXPECT_EQ(task->end()->ending, Ending::timeout);
     EXPECT_EQ(
-        task->end()->what,
+        task->end()->fault.text(),
         "0xDC has written all 16 frames, but did not report within 30 s whether the image passed its check: it may run the new "
         "firmware already (anoctl devices --scan shows its version); if it does not, begin again");
     EXPECT_EQ(loader.checks, 6u);
@@ -255,7 +255,7 @@ TEST_F(Upgrade, sends_the_info_again_to_a_device_that_restarts_into_its_boot_loa
             return loader.take(fake, f);
         };
         const auto task = run();
-        EXPECT_EQ(task->end()->ending, Ending::done) << task->end()->what;
+        EXPECT_EQ(task->end()->ending, Ending::done) << task->end()->fault.text();
         EXPECT_EQ(loader.flash, bytes_of(3000));
         EXPECT_LT(took, restart + 2s);
     }
@@ -275,7 +275,7 @@ TEST_F(Upgrade, sends_the_info_again_to_a_device_that_answers_requests_before_an
             return loader.take(fake, f);
         };
         const auto task = run();
-        EXPECT_EQ(task->end()->ending, Ending::done) << task->end()->what;
+        EXPECT_EQ(task->end()->ending, Ending::done) << task->end()->fault.text();
         EXPECT_EQ(loader.flash, bytes_of(3000));
     }
 }
@@ -289,7 +289,8 @@ TEST_F(Upgrade, of_a_device_that_answers_everything_except_an_info_ends_within_f
         };
         const auto task = run(options);
         EXPECT_EQ(task->end()->ending, Ending::unsupported);
-        EXPECT_EQ(task->end()->what, "0xDC answers other requests, but not the description of the image: it has no boot loader");
+        EXPECT_EQ(task->end()->fault.text(),
+                  "0xDC answers other requests, but not the description of the image: it has no boot loader");
         EXPECT_FALSE(task->is_left_in_loader());
         EXPECT_GE(took, 3s) << "a restart into the loader may take 2.5 s";
         EXPECT_LE(took, 5s);
@@ -303,7 +304,7 @@ TEST_F(Upgrade, ends_after_half_a_minute_if_the_device_is_silent_after_the_info)
     };
     const auto task = run();
     EXPECT_EQ(task->end()->ending, Ending::timeout);
-    EXPECT_EQ(task->end()->what, "0xDC stopped answering: description of the image");
+    EXPECT_EQ(task->end()->fault.text(), "0xDC stopped answering: description of the image");
     EXPECT_FALSE(task->is_left_in_loader());
     EXPECT_GE(took, Firmware::patience);
     EXPECT_LT(took, Firmware::patience + 5s);
@@ -329,16 +330,17 @@ TEST_F(Upgrade, sends_an_image_damaged_by_noise_again_in_the_shortest_frames) {
         };
         const auto task = run();
         if (damaged == 99) {
-            EXPECT_EQ(task->end()->what, "the image did not pass the device's check; it is left in its boot loader; start again");
+            EXPECT_EQ(task->end()->fault.text(),
+                      "the image did not pass the device's check; it is left in its boot loader; start again");
             EXPECT_EQ(loader.checks, 3u);
             continue;
         }
-        EXPECT_EQ(task->end()->ending, Ending::done) << task->end()->what;
+        EXPECT_EQ(task->end()->ending, Ending::done) << task->end()->fault.text();
         EXPECT_EQ(loader.flash, bytes_of(3000));
         EXPECT_EQ(task->frame_len(), 32u);
-        EXPECT_TRUE(
-            task->remark().starts_with("begun again with frames of 32 bytes, because the image did not pass the device's check"))
-            << task->remark();
+        EXPECT_TRUE(task->remark().text().starts_with(
+            "begun again with frames of 32 bytes, because the image did not pass the device's check"))
+            << task->remark().text();
     }
 }
 
@@ -352,7 +354,7 @@ TEST_F(Upgrade, sends_an_image_damaged_by_noise_again_even_if_the_loader_rejects
         return loader.take(fake, f);
     };
     const auto task = run();
-    EXPECT_EQ(task->end()->ending, Ending::done) << task->end()->what;
+    EXPECT_EQ(task->end()->ending, Ending::done) << task->end()->fault.text();
     EXPECT_EQ(loader.flash, bytes_of(3000));
     EXPECT_EQ(loader.erases, 2u);
 }
@@ -369,7 +371,7 @@ TEST_F(Upgrade, erases_although_the_acceptance_of_the_info_was_lost) {
             return std::vector<Bytes>{};
         };
         const auto task = run();
-        EXPECT_EQ(task->end()->ending, Ending::done) << task->end()->what;
+        EXPECT_EQ(task->end()->ending, Ending::done) << task->end()->fault.text();
         EXPECT_EQ(loader.flash, bytes_of(3000));
         EXPECT_EQ(loader.erases, 1u);
     }
@@ -382,7 +384,7 @@ TEST_F(Upgrade, erases_although_the_acceptance_of_the_info_was_lost) {
     };
     const auto task = run();
     EXPECT_EQ(task->end()->ending, Ending::refused);
-    EXPECT_EQ(task->end()->what, "0xDC does not want this image");
+    EXPECT_EQ(task->end()->fault.text(), "0xDC does not want this image");
     EXPECT_FALSE(task->is_left_in_loader());
     EXPECT_EQ(loader.erases, 0u);
 }
@@ -401,7 +403,7 @@ TEST_F(Upgrade, does_not_erase_after_a_lost_acceptance_if_the_image_is_not_known
         const auto task = run(std::move(options));
         EXPECT_EQ(task->end()->ending, Ending::refused);
         EXPECT_EQ(
-            task->end()->what,
+            task->end()->fault.text(),
             "0xDC did not answer the description of the image, and refused it when it came again: it has probably accepted the "
             "first one, and takes no second one until it restarts; nothing was erased: power-cycle it and flash again (with a "
             ".bia for its hardware, without force, the upgrade would have gone on)");
@@ -426,7 +428,7 @@ TEST_F(Upgrade, repeats_an_erase_with_a_lost_answer_soon_if_the_device_sends_oth
         device.take(FrameView{telemetry}, now);
     };
     const auto task = run();
-    EXPECT_EQ(task->end()->ending, Ending::done) << task->end()->what;
+    EXPECT_EQ(task->end()->ending, Ending::done) << task->end()->fault.text();
     EXPECT_EQ(loader.erases, 2u);
     EXPECT_LT(took, 10s);
 }
@@ -457,18 +459,18 @@ TEST_F(Upgrade, reports_the_unfinished_state_when_cancelled) {
     task.start(simulation.now);
     simulation.run(task);
     ASSERT_TRUE(task.end());
-    EXPECT_EQ(task.end()->what, "cancelled; it is left in its boot loader; start again");
+    EXPECT_EQ(task.end()->fault.text(), "cancelled; it is left in its boot loader; start again");
     Firmware early{device, image};
     early.start(simulation.now);
     early.cancel(simulation.now);
-    EXPECT_EQ(early.end()->what, "cancelled, nothing was changed");
+    EXPECT_EQ(early.end()->fault.text(), "cancelled, nothing was changed");
 }
 
 TEST_F(Upgrade, a_file_that_can_no_longer_be_read_leaves_the_device_in_its_loader) {
     image.bytes = {3000, [](std::size_t at, std::span<std::uint8_t>) { return at < 1000; }};
     const auto task = run();
     EXPECT_EQ(task->end()->ending, Ending::failed);
-    EXPECT_EQ(task->end()->what, "the file can no longer be read; it is left in its boot loader; start again");
+    EXPECT_EQ(task->end()->fault.text(), "the file can no longer be read; it is left in its boot loader; start again");
     EXPECT_TRUE(task->is_left_in_loader());
 }
 
@@ -484,7 +486,7 @@ TEST_F(Upgrade, sends_codes_in_the_byte_order_of_the_device) {
     loader.reads_codes = true;
     loader.fails_frame_7 = 4;
     const auto task = run();
-    EXPECT_EQ(task->end()->ending, Ending::done) << task->end()->what;
+    EXPECT_EQ(task->end()->ending, Ending::done) << task->end()->fault.text();
     EXPECT_EQ(loader.flash, bytes_of(3000));
     EXPECT_EQ(task->repeats(), 4u) << "\"frame failed\" is understood as well";
     EXPECT_EQ(fake.heard[2], support::frame(0xFE, 0xDC, 0xF0, {0, 0x01, 0x10})) << "erase, after device info and info";
@@ -497,15 +499,16 @@ TEST_F(Upgrade, recognizes_failures_in_both_byte_orders) {
         loader = {};
         loader.reads_codes = reads;
         loader.cannot_erase = true;
-        EXPECT_EQ(run()->end()->what, "the device could not erase; it is left in its boot loader; start again");
+        EXPECT_EQ(run()->end()->fault.text(), "the device could not erase; it is left in its boot loader; start again");
         loader = {};
         loader.reads_codes = reads;
         loader.refuses = true;
-        EXPECT_EQ(run()->end()->what, "0xDC does not want this image");
+        EXPECT_EQ(run()->end()->fault.text(), "0xDC does not want this image");
         loader = {};
         loader.reads_codes = reads;
         ++image.crc;
-        EXPECT_EQ(run()->end()->what, "the image did not pass the device's check; it is left in its boot loader; start again");
+        EXPECT_EQ(run()->end()->fault.text(),
+                  "the image did not pass the device's check; it is left in its boot loader; start again");
         --image.crc;
     }
 }
@@ -514,7 +517,7 @@ TEST_F(Upgrade, shows_the_bytes_of_an_invalid_answer) {
     loader.sent_instead = 0x0307;
     const auto task = run();
     EXPECT_EQ(task->end()->ending, Ending::timeout);
-    EXPECT_EQ(task->end()->what, "0xDC sent 0xF0 with 00 07 03, which is not a valid answer: description of the image");
+    EXPECT_EQ(task->end()->fault.text(), "0xDC sent 0xF0 with 00 07 03, which is not a valid answer: description of the image");
     EXPECT_EQ(loader.erases, 0u);
 }
 
@@ -546,7 +549,8 @@ struct Noise : Upgrade {
         Firmware task{other, image};
         task.start(bad.now);
         const Duration all = bad.run(task, 12h);
-        return {task.end().value_or(End{Ending::timeout, "runs for ever", {}}), all, task.frame_len(), task.remark()};
+        return {task.end().value_or(End{Ending::timeout, {"other", "runs for ever"}, {}}), all, task.frame_len(),
+                task.remark().text()};
     }
     Noise() { image = *read_firmware(bia(bytes_of(20'000), 0xDC, 90, 110)).image; }
 };
@@ -555,7 +559,7 @@ TEST_F(Noise, shortens_the_frames_if_the_loader_accepts_another_info) {
     for (std::uint64_t seed = 1; seed <= 30; ++seed) {
         loader = {};
         const auto result = run_in_noise(seed);
-        EXPECT_EQ(result.end.ending, Ending::done) << "seed " << seed << ": " << result.end.what;
+        EXPECT_EQ(result.end.ending, Ending::done) << "seed " << seed << ": " << result.end.fault.text();
         EXPECT_EQ(loader.flash, bytes_of(20'000));
         EXPECT_LT(result.frame_len, 195u);
         EXPECT_LT(result.took, 6min);
@@ -569,7 +573,7 @@ TEST_F(Noise, repeats_the_frames_until_they_are_written_if_the_loader_accepts_no
             loader = {};
             loader.second_info = second;
             const auto result = run_in_noise(seed);
-            EXPECT_EQ(result.end.ending, Ending::done) << "seed " << seed << ": " << result.end.what;
+            EXPECT_EQ(result.end.ending, Ending::done) << "seed " << seed << ": " << result.end.fault.text();
             EXPECT_EQ(loader.flash, bytes_of(20'000));
             EXPECT_EQ(result.frame_len, 195u);
             EXPECT_LT(result.took, 10min);
@@ -600,11 +604,11 @@ struct LostConnection : Upgrade {
 
 TEST_F(LostConnection, of_a_minute_does_not_restart_the_upgrade_which_continues_after_the_last_frame) {
     const auto task = run_cut_for(60s);
-    EXPECT_EQ(task->end()->ending, Ending::done) << task->end()->what;
+    EXPECT_EQ(task->end()->ending, Ending::done) << task->end()->fault.text();
     EXPECT_EQ(loader.flash, bytes_of(3000));
     EXPECT_EQ(loader.erases, 1u);
     EXPECT_EQ(loader.infos, 1u);
-    EXPECT_EQ(task->remark(), "");
+    EXPECT_EQ(task->remark().text(), "");
     EXPECT_LT(took, 64s);
 }
 
@@ -613,10 +617,10 @@ TEST_F(LostConnection, restarts_the_upgrade_from_the_beginning_if_the_loader_los
         loader = {};
         loader.fails_when_lost = fails;
         const auto task = run_cut_for(10s, [&] { loader.lose_power(); });
-        EXPECT_EQ(task->end()->ending, Ending::done) << task->end()->what;
+        EXPECT_EQ(task->end()->ending, Ending::done) << task->end()->fault.text();
         EXPECT_EQ(loader.flash, bytes_of(3000));
         EXPECT_EQ(loader.erases, 2u);
-        EXPECT_EQ(task->end()->what, "begun again at frame 5, because 0xDC had lost the upgrade");
+        EXPECT_EQ(task->end()->fault.text(), "begun again at frame 5, because 0xDC had lost the upgrade");
         EXPECT_LT(took, fails ? 14s : 80s);
     }
 }
@@ -624,7 +628,7 @@ TEST_F(LostConnection, restarts_the_upgrade_from_the_beginning_if_the_loader_los
 TEST_F(LostConnection, without_a_return_ends_the_upgrade) {
     const auto task = run_cut_for(1h);
     EXPECT_EQ(task->end()->ending, Ending::timeout);
-    EXPECT_EQ(task->end()->what, "0xDC stopped answering: sending; it is left in its boot loader; start again");
+    EXPECT_EQ(task->end()->fault.text(), "0xDC stopped answering: sending; it is left in its boot loader; start again");
     EXPECT_LT(took, Firmware::patience_unheard + Firmware::patience + 5s) << "the info that begins it again has its time as well";
 }
 

@@ -63,7 +63,7 @@ TEST_F(Writes, a_value_beyond_the_stated_range_is_refused_unless_it_is_allowed) 
     for (const std::int64_t value : {-11, 101}) {
         const auto task = write(p, value);
         EXPECT_EQ(task->end()->ending, Ending::invalid);
-        EXPECT_EQ(task->end()->what,
+        EXPECT_EQ(task->end()->fault.text(),
                   "P: " + std::to_string(value) +
                       " is out of range, the device states -10 to 100: a value beyond it must be allowed (force)");
     }
@@ -96,9 +96,9 @@ TEST_F(Writes, multiply_a_scaled_value_and_reject_one_that_is_not_a_multiple) {
     EXPECT_EQ(write(p, 0.1 + 0.2)->stored(), AnyValue{0.3}) << "as programs compute it";
     const auto finer = write(p, 0.0005);
     EXPECT_EQ(finer->end()->ending, Ending::invalid);
-    EXPECT_EQ(finer->end()->what, "P: 5e-04 is not a multiple of 0.001");
-    EXPECT_EQ(write(p, 2'200'000.0)->end()->what, "P: 2200000 is out of range, -2147483.647 to 2147483.647");
-    EXPECT_EQ(write(p, std::string{"1"})->end()->what, "P: \"1\" is not a number");
+    EXPECT_EQ(finer->end()->fault.text(), "P: 5e-04 is not a multiple of 0.001");
+    EXPECT_EQ(write(p, 2'200'000.0)->end()->fault.text(), "P: 2200000 is out of range, -2147483.647 to 2147483.647");
+    EXPECT_EQ(write(p, std::string{"1"})->end()->fault.text(), "P: \"1\" is not a number");
     EXPECT_EQ(writes(), 3u);
     EXPECT_EQ(nearest_value(AnyValue{0.12345}, p), AnyValue{0.123});
     EXPECT_TRUE(same_bytes(AnyValue{0.3}, AnyValue{0.1 + 0.2}, p));
@@ -109,7 +109,7 @@ TEST_F(Writes, a_number_is_never_written_in_another_length_than_the_device_sends
     fake.parameters = {{0, "U8", "", {0xB2, 0xC0, 0x81, 0}}, {5, "I32", "", {1, 0, 0, 0, 0, 0, 0, 0}}};
     const auto task = write(info(0), std::int64_t{50});
     EXPECT_EQ(task->end()->ending, Ending::invalid);
-    EXPECT_EQ(task->end()->what,
+    EXPECT_EQ(task->end()->fault.text(),
               "U8: 50 would be written as 1 byte, and the device sends 4: its description does not fit its value");
     EXPECT_EQ(write(info(1), std::int64_t{2})->end()->ending, Ending::invalid);
     EXPECT_EQ(writes(), 0u);
@@ -122,14 +122,14 @@ TEST_F(Writes, report_a_clamped_value_as_a_success) {
     EXPECT_EQ(task->end()->ending, Ending::done);
     EXPECT_TRUE(task->is_clamped());
     EXPECT_EQ(task->stored(), AnyValue{std::int64_t{100}});
-    EXPECT_EQ(task->end()->what, "U8 is 100: the device limited it");
+    EXPECT_EQ(task->end()->fault.text(), "U8 is 100: the device limited it");
 }
 
 TEST_F(Writes, are_refused_if_the_device_acknowledges_but_stores_nothing) {
     fake.parameters[0].store = [](const Bytes&) { return Bytes{7}; };
     const auto task = write(info(0), std::int64_t{200});
     EXPECT_EQ(task->end()->ending, Ending::refused);
-    EXPECT_EQ(task->end()->what, "0xDC keeps U8 at 7");
+    EXPECT_EQ(task->end()->fault.text(), "0xDC keeps U8 at 7");
 }
 
 TEST_F(Writes, are_refused_if_the_device_does_not_answer_the_read_back) {
@@ -163,7 +163,7 @@ TEST_F(Writes, do_not_accept_wrong_check_bytes_as_an_acknowledgement) {
     const TimePoint begin = simulation.now;
     const auto task = write(info(0), std::int64_t{200});
     EXPECT_EQ(task->end()->ending, Ending::timeout);
-    EXPECT_EQ(task->end()->what, "0xDC acknowledged with wrong check bytes (E1 31 15): write of U8, sent 1 time");
+    EXPECT_EQ(task->end()->fault.text(), "0xDC acknowledged with wrong check bytes (E1 31 15): write of U8, sent 1 time");
     EXPECT_LT(simulation.now - begin, std::chrono::milliseconds{300});
     EXPECT_EQ(writes(), 1u) << "it has arrived";
 }
@@ -190,25 +190,25 @@ TEST_F(Writes, detect_a_stored_value_with_a_wrong_acknowledgement_by_reading_it_
         return std::vector<Bytes>{fake.to_host(f, 0x00, {0xE1, f.checks().sum, static_cast<std::uint8_t>(f.checks().add + 1)})};
     };
     const auto task = write(info(0), std::int64_t{200});
-    EXPECT_EQ(task->end()->ending, Ending::done) << task->end()->what;
+    EXPECT_EQ(task->end()->ending, Ending::done) << task->end()->fault.text();
     EXPECT_EQ(task->stored(), AnyValue{std::int64_t{200}});
-    EXPECT_EQ(task->end()->what, "U8 is written, but was acknowledged with wrong check bytes (E1 31 15)");
+    EXPECT_EQ(task->end()->fault.text(), "U8 is written, but was acknowledged with wrong check bytes (E1 31 15)");
     EXPECT_EQ(writes(), 1u);
     ParameterApply import{device, &cache, {{"U8", std::int64_t{9}}, {"I16", std::int64_t{2}}}};
     import.start(simulation.now);
     simulation.run(import);
-    EXPECT_EQ(import.end()->ending, Ending::done) << import.end()->what;
-    EXPECT_TRUE(import.end()->what.starts_with("U8 is written, but was acknowledged with wrong check bytes (E1 "))
-        << import.end()->what;
-    EXPECT_TRUE(import.end()->what.ends_with("), and 1 other value was too")) << import.end()->what;
+    EXPECT_EQ(import.end()->ending, Ending::done) << import.end()->fault.text();
+    EXPECT_TRUE(import.end()->fault.text().starts_with("U8 is written, but was acknowledged with wrong check bytes (E1 "))
+        << import.end()->fault.text();
+    EXPECT_TRUE(import.end()->fault.text().ends_with("), and 1 other value was too")) << import.end()->fault.text();
 }
 
 TEST_F(Writes, report_that_the_value_may_be_written_when_the_device_is_silent_afterwards) {
     fake.instead = [&](FrameView) { return writes() > 0 ? nothing() : std::nullopt; };
     const auto task = write(info(0), std::int64_t{200});
     EXPECT_EQ(task->end()->ending, Ending::timeout);
-    EXPECT_TRUE(task->end()->what.starts_with("0xDC does not answer: write of U8, which may be done, sent "))
-        << task->end()->what;
+    EXPECT_TRUE(task->end()->fault.text().starts_with("0xDC does not answer: write of U8, which may be done, sent "))
+        << task->end()->fault.text();
 }
 
 TEST_F(Writes, an_empty_text_is_written_as_it_is) {
@@ -216,8 +216,8 @@ TEST_F(Writes, an_empty_text_is_written_as_it_is) {
         if (!keeps_nuls) fake.parameters[2].store = [](const Bytes&) { return Bytes{}; };
         fake.parameters[2].value = {'a', 'b', 'c', 'd', 0, 0};
         const auto task = write(info(2), std::string{});
-        EXPECT_EQ(task->end()->ending, Ending::done) << task->end()->what;
-        EXPECT_EQ(task->end()->what, "");
+        EXPECT_EQ(task->end()->ending, Ending::done) << task->end()->fault.text();
+        EXPECT_EQ(task->end()->fault.text(), "");
         EXPECT_FALSE(task->is_clamped());
         EXPECT_EQ(task->stored(), AnyValue{std::string{}});
         EXPECT_EQ(task->before(), AnyValue{std::string{"abcd"}});
@@ -229,7 +229,7 @@ TEST_F(Writes, identify_a_device_again_after_a_long_silence) {
     write(info(0), std::int64_t{1});
     simulation.pass(Device::away_after);
     const auto task = write(info(0), std::int64_t{2});
-    EXPECT_EQ(task->end()->ending, Ending::done) << task->end()->what;
+    EXPECT_EQ(task->end()->ending, Ending::done) << task->end()->fault.text();
     EXPECT_EQ(fake.parameters[0].value, Bytes{2});
 }
 
@@ -241,7 +241,7 @@ TEST_F(Writes, nothing_is_written_to_a_device_that_became_another_one) {
     const std::size_t until_now = writes();
     const auto task = write(as_before, std::int64_t{2});
     EXPECT_EQ(task->end()->ending, Ending::failed);
-    EXPECT_EQ(task->end()->what, "0xDC became another device in the meantime");
+    EXPECT_EQ(task->end()->fault.text(), "0xDC became another device in the meantime");
     EXPECT_FALSE(task->was_sent());
     EXPECT_EQ(writes(), until_now);
 }
@@ -267,10 +267,10 @@ TEST_F(Writes, no_value_is_shorter_than_its_type) {
 }
 
 TEST_F(Writes, never_send_a_value_that_does_not_fit_its_type) {
-    EXPECT_EQ(write(info(0), std::int64_t{256})->end()->what, "U8: 256 is out of range, u8 is 0 to 255");
-    EXPECT_EQ(write(info(0), 1.5)->end()->what, "U8: 1.5 is not whole, u8 is 0 to 255");
-    EXPECT_EQ(write(info(0), std::string{"1"})->end()->what, "U8: \"1\" is not a number, u8 is 0 to 255");
-    EXPECT_EQ(write(info(2), std::int64_t{1})->end()->what, "TEXT: 1 is not a text");
+    EXPECT_EQ(write(info(0), std::int64_t{256})->end()->fault.text(), "U8: 256 is out of range, u8 is 0 to 255");
+    EXPECT_EQ(write(info(0), 1.5)->end()->fault.text(), "U8: 1.5 is not whole, u8 is 0 to 255");
+    EXPECT_EQ(write(info(0), std::string{"1"})->end()->fault.text(), "U8: \"1\" is not a number, u8 is 0 to 255");
+    EXPECT_EQ(write(info(2), std::int64_t{1})->end()->fault.text(), "TEXT: 1 is not a text");
     EXPECT_EQ(write(info(2), std::string("a\0b", 3))->end()->ending, Ending::invalid);
     ParameterInfo odd = info(0);
     odd.type.reset();
@@ -295,14 +295,14 @@ TEST_F(Writes, report_whether_the_value_may_be_written_when_cancelled) {
     ParameterWrite early{device, info(0), std::int64_t{1}};
     early.start(simulation.now);
     early.cancel(simulation.now);
-    EXPECT_EQ(early.end()->what, "U8 was not written");
+    EXPECT_EQ(early.end()->fault.text(), "U8 was not written");
     ParameterWrite later{device, info(0), std::int64_t{1}};
     simulation.each_step = [&](TimePoint now) {
         if (writes() > 0) later.cancel(now);
     };
     later.start(simulation.now);
     simulation.run(later);
-    EXPECT_EQ(later.end()->what, "U8 may have been written");
+    EXPECT_EQ(later.end()->fault.text(), "U8 may have been written");
 }
 
 TEST_F(Writes, an_action_ends_with_its_acknowledgement) {
@@ -315,7 +315,7 @@ TEST_F(Writes, an_action_ends_with_its_acknowledgement) {
     ParameterAction restore{device, Action::restore_defaults};
     restore.start(simulation.now);
     EXPECT_LE(simulation.run(restore), std::chrono::seconds{12});
-    EXPECT_EQ(restore.end()->what, "0xDC does not answer: restore defaults, sent 1 time") << "it may be another one";
+    EXPECT_EQ(restore.end()->fault.text(), "0xDC does not answer: restore defaults, sent 1 time") << "it may be another one";
 }
 
 TEST_F(Writes, a_save_is_sent_once_more_at_most) {
@@ -323,7 +323,7 @@ TEST_F(Writes, a_save_is_sent_once_more_at_most) {
     ParameterAction save{device, Action::save};
     save.start(simulation.now);
     EXPECT_LE(simulation.run(save), std::chrono::seconds{12});
-    EXPECT_EQ(save.end()->what, "0xDC does not answer: save, sent 1 time") << "it may be another one";
+    EXPECT_EQ(save.end()->fault.text(), "0xDC does not answer: save, sent 1 time") << "it may be another one";
     fake.deaf = false;
     fake.instead = [&](FrameView f) { return f.data()[0] == 0x10 ? nothing() : std::nullopt; };
     fake.heard.clear();
@@ -344,7 +344,7 @@ TEST_F(Writes, wrong_check_bytes_end_an_action_at_once) {
         ParameterAction save{device, Action::save};
         save.start(simulation.now);
         EXPECT_LT(simulation.run(save), std::chrono::milliseconds{100});
-        EXPECT_EQ(save.end()->what, "0xDC acknowledged with wrong check bytes (E0 01 02): save, sent 1 time");
+        EXPECT_EQ(save.end()->fault.text(), "0xDC acknowledged with wrong check bytes (E0 01 02): save, sent 1 time");
         const auto is_save = [](const Bytes& f) { return f[6] == 0x10; };
         EXPECT_EQ(std::count_if(fake.heard.begin(), fake.heard.end(), is_save), 1) << "each save wears the flash";
     }
@@ -403,7 +403,7 @@ TEST_F(Applies, compares_the_device_only_once_after_a_lost_write) {
     std::vector<std::pair<std::string, AnyValue>> values;
     for (int i = 0; i < 10; ++i) values.emplace_back("PAR_" + std::to_string(i), std::int64_t{90 + i});
     const auto task = apply(values);
-    EXPECT_EQ(task->end()->ending, Ending::done) << task->end()->what;
+    EXPECT_EQ(task->end()->ending, Ending::done) << task->end()->fault.text();
     EXPECT_EQ(lost, 1u);
     const auto is_write = [](const Bytes& frame) { return frame[3] == 0xE1; };
     const auto first = std::find_if(fake.heard.begin(), fake.heard.end(), is_write);
@@ -430,9 +430,9 @@ TEST_F(Applies, reports_a_restart_during_the_import) {
         };
         const auto task = apply({{"U8", std::int64_t{fails ? 9 : 10}}, {"I16", std::int64_t{2}}});
         EXPECT_EQ(task->end()->ending, fails ? Ending::refused : Ending::done);
-        EXPECT_NE(task->end()->what.find("restarted"), std::string::npos) << task->end()->what;
-        EXPECT_EQ(task->end()->what.find("so what was written before that may be lost") != std::string::npos, fails);
-        EXPECT_EQ(task->rows()[1].what.find("restarted") != std::string::npos, fails) << task->rows()[1].what;
+        EXPECT_NE(task->end()->fault.text().find("restarted"), std::string::npos) << task->end()->fault.text();
+        EXPECT_EQ(task->end()->fault.text().find("so what was written before that may be lost") != std::string::npos, fails);
+        EXPECT_EQ(task->rows()[1].fault.text().find("restarted") != std::string::npos, fails) << task->rows()[1].fault.text();
     }
 }
 
@@ -479,8 +479,9 @@ TEST_F(Restarts, without_any_sign_cause_lost_values_to_be_written_again) {
         at_write = writes() + 4;
         const auto task = apply_all({.rollback = rollback, .goes_on = !rollback});
         EXPECT_EQ(restarts, 1u);
-        EXPECT_EQ(task->end()->ending, Ending::done) << task->end()->what;
-        EXPECT_EQ(task->end()->what, "the device has probably restarted in the meantime: 4 values were lost and written again");
+        EXPECT_EQ(task->end()->ending, Ending::done) << task->end()->fault.text();
+        EXPECT_EQ(task->end()->fault.text(),
+                  "the device has probably restarted in the meantime: 4 values were lost and written again");
         EXPECT_EQ(states(*task), std::vector<State>(8, State::written));
         EXPECT_EQ(new_values(), 8);
     }
@@ -492,7 +493,7 @@ TEST_F(Restarts, that_lose_values_again_are_reported_and_rolled_back) {
     EXPECT_NE(task->end()->ending, Ending::done);
     std::size_t written = 0;
     for (const auto& row : task->rows()) written += row.state == State::written;
-    EXPECT_LE(written, static_cast<std::size_t>(new_values())) << task->end()->what;
+    EXPECT_LE(written, static_cast<std::size_t>(new_values())) << task->end()->fault.text();
     fake.parameters = saved;
     at_write = writes() + 4;
     const auto undone = apply_all({.rollback = true});
@@ -503,7 +504,7 @@ TEST_F(Restarts, that_lose_values_again_are_reported_and_rolled_back) {
 TEST_F(Restarts, are_excluded_with_one_request_per_value_in_the_last_pass) {
     max_restarts = 0;
     const auto task = apply_all();
-    EXPECT_EQ(task->end()->what, "");
+    EXPECT_EQ(task->end()->fault.text(), "");
     EXPECT_EQ(writes(), 8u);
     const std::size_t before = fake.heard.size();
     EXPECT_EQ(apply({{"PAR_0", std::int64_t{3}}})->end()->ending, Ending::done);
@@ -511,10 +512,12 @@ TEST_F(Restarts, are_excluded_with_one_request_per_value_in_the_last_pass) {
 }
 
 TEST_F(Applies, writes_nothing_if_one_value_is_invalid) {
-    EXPECT_EQ(apply({{"I16", std::int64_t{2}}, {"NONE", 1.0}})->end()->what, "unknown parameter NONE");
-    EXPECT_EQ(apply({{"I16", std::int64_t{2}}, {"U8", std::int64_t{-1}}})->end()->what, "U8: -1 is out of range, u8 is 0 to 255");
+    EXPECT_EQ(apply({{"I16", std::int64_t{2}}, {"NONE", 1.0}})->end()->fault.text(), "unknown parameter NONE");
+    EXPECT_EQ(apply({{"I16", std::int64_t{2}}, {"U8", std::int64_t{-1}}})->end()->fault.text(),
+              "U8: -1 is out of range, u8 is 0 to 255");
     fake.parameters.push_back({0, "U8", "", {1}});
-    EXPECT_EQ(apply({{"I16", std::int64_t{2}}, {"U8", std::int64_t{1}}})->end()->what, "several parameters have the name U8");
+    EXPECT_EQ(apply({{"I16", std::int64_t{2}}, {"U8", std::int64_t{1}}})->end()->fault.text(),
+              "several parameters have the name U8");
     EXPECT_EQ(writes(), 0u);
 }
 
@@ -525,13 +528,13 @@ TEST_F(Applies, reports_every_invalid_value_before_the_first_write) {
                              {"U8", std::int64_t{256}},
                              {"F32", std::string{"x"}}});
     EXPECT_EQ(task->end()->ending, Ending::invalid);
-    EXPECT_EQ(task->end()->what, "4 of 5 parameters can't be written: TEXT, NONE, U8, F32");
+    EXPECT_EQ(task->end()->fault.text(), "4 of 5 parameters can't be written: TEXT, NONE, U8, F32");
     EXPECT_EQ(states(*task), (std::vector{State::failed, State::waiting, State::failed, State::failed, State::failed}));
-    EXPECT_EQ(task->rows()[0].what,
+    EXPECT_EQ(task->rows()[0].fault.text(),
               "TEXT: \"1234567\" is longer than the 6 bytes that the device has: a longer one must be allowed (longer)");
-    EXPECT_EQ(task->rows()[2].what, "unknown parameter NONE");
-    EXPECT_EQ(task->rows()[3].what, "U8: 256 is out of range, u8 is 0 to 255");
-    EXPECT_EQ(task->rows()[4].what, "F32: \"x\" is not a number, f32 is -3.4e38 to 3.4e38");
+    EXPECT_EQ(task->rows()[2].fault.text(), "unknown parameter NONE");
+    EXPECT_EQ(task->rows()[3].fault.text(), "U8: 256 is out of range, u8 is 0 to 255");
+    EXPECT_EQ(task->rows()[4].fault.text(), "F32: \"x\" is not a number, f32 is -3.4e38 to 3.4e38");
     EXPECT_EQ(writes(), 0u);
     EXPECT_EQ(apply({{"TEXT", std::string{"1234567"}}}, {.text = {.longer = true}})->end()->ending, Ending::done);
 }
@@ -557,11 +560,11 @@ TEST_F(Applies, continues_after_a_refused_value_if_allowed) {
     const auto task = apply({{"U8", std::int64_t{9}}, {"F32", 2.0}, {"I16", std::int64_t{2}}}, {.goes_on = true});
     EXPECT_EQ(states(*task), (std::vector{State::failed, State::failed, State::written}));
     EXPECT_EQ(task->end()->ending, Ending::timeout) << "as the first";
-    EXPECT_EQ(task->end()->what, "2 of 3 parameters were not written: U8, F32");
+    EXPECT_EQ(task->end()->fault.text(), "2 of 3 parameters were not written: U8, F32");
     EXPECT_EQ(fake.parameters[3].value, (Bytes{2, 0}));
     fake.instead = nullptr;
     const auto one = apply({{"U8", std::int64_t{10}}, {"F32", 3.0}}, {.goes_on = true});
-    EXPECT_EQ(one->end()->what, "0xDC keeps F32 at 0.5");
+    EXPECT_EQ(one->end()->fault.text(), "0xDC keeps F32 at 0.5");
     EXPECT_EQ(fake.parameters[0].value, Bytes{10});
     const auto all = apply({{"F32", 2.0}, {"U8", std::int64_t{11}}}, {.rollback = true, .goes_on = true});
     EXPECT_EQ(states(*all), (std::vector{State::failed, State::waiting}));
@@ -608,7 +611,7 @@ TEST_F(Applies, reports_the_values_not_rolled_back_when_cancelled_twice) {
     task.start(simulation.now);
     simulation.run(task);
     ASSERT_TRUE(task.end());
-    EXPECT_EQ(task.end()->what, "cancelled while it was undone");
+    EXPECT_EQ(task.end()->fault.text(), "cancelled while it was undone");
     EXPECT_EQ(states(task), (std::vector{State::not_undone, State::not_undone, State::waiting}));
 }
 
@@ -651,8 +654,9 @@ TEST_F(BecomesAnother, device_and_receives_no_further_values) {
                 const auto had = fake.parameters;
                 const auto task = apply_all(at, rollback, says_it);
                 EXPECT_NE(task->end()->ending, Ending::done);
-                EXPECT_TRUE(task->is_of_another()) << at << ' ' << task->end()->what;
-                EXPECT_EQ(task->end()->what.find("0xDC became another device in the meantime"), 0u) << task->end()->what;
+                EXPECT_TRUE(task->is_of_another()) << at << ' ' << task->end()->fault.text();
+                EXPECT_EQ(task->end()->fault.text().find("0xDC became another device in the meantime"), 0u)
+                    << task->end()->fault.text();
                 ASSERT_EQ(is_another.size(), fake.parameters.size());
                 for (std::size_t i = 0; i < is_another.size(); ++i)
                     EXPECT_EQ(fake.parameters[i].value, is_another[i].value) << at;

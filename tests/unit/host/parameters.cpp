@@ -162,7 +162,7 @@ TEST_F(Reads, the_values_of_some_parameters_only) {
     Parameters some{device, &cache};
     some.read_named({"PAR_30", "PAR_7"}, simulation.now);
     simulation.run(some);
-    EXPECT_EQ(some.end()->what, "parameter 7 was not received completely");
+    EXPECT_EQ(some.end()->fault.text(), "parameter 7 was not received completely");
 }
 
 TEST_F(Reads, descriptions_again_if_the_device_has_changed_or_was_away) {
@@ -212,7 +212,7 @@ TEST_F(Reads, and_times_out_soon_for_a_dead_device_and_reports_the_number_of_tri
     fake.deaf = true;
     EXPECT_EQ(read(), Ending::timeout);
     EXPECT_EQ(parameters.end()->evidence.sent, 30u);
-    EXPECT_EQ(parameters.end()->what, "0xDC does not answer: device info, sent 30 times");
+    EXPECT_EQ(parameters.end()->fault.text(), "0xDC does not answer: device info, sent 30 times");
 }
 
 TEST_F(Reads, and_ends_within_its_time_limit_when_the_device_is_lost_in_the_middle) {
@@ -235,7 +235,7 @@ TEST_F(Reads, the_other_parameters_and_reports_one_without_an_answer) {
         return std::nullopt;
     };
     EXPECT_EQ(read(), Ending::incomplete);
-    EXPECT_EQ(parameters.end()->what, "parameter 17 was not received completely");
+    EXPECT_EQ(parameters.end()->fault.text(), "parameter 17 was not received completely");
     EXPECT_FALSE(parameters.value(17));
     EXPECT_TRUE(parameters.value(29));
 }
@@ -355,7 +355,7 @@ TEST_F(Reads, several_parameters_at_a_time_over_a_line_with_long_round_trips) {
         all.read_all(line.now);
         const Duration took = line.run(all);
         ASSERT_TRUE(all.end());
-        EXPECT_EQ(all.end()->ending, Ending::done) << all.end()->what;
+        EXPECT_EQ(all.end()->ending, Ending::done) << all.end()->fault.text();
         // 300 exchanges, eight at a time, in rounds of two delays.
         EXPECT_LT(took, std::chrono::milliseconds{2 * delay * 300 / 8 * 5 / 4 + 4000});
         EXPECT_EQ(far.window(), Window::max_size);

@@ -22,14 +22,14 @@ struct WaypointsOf : testing::Test {
         WaypointsPut task{device, std::move(all)};
         task.start(simulation.now);
         simulation.run(task);
-        return task.end().value_or(End{Ending::cancelled, "never ended", {}});
+        return task.end().value_or(End{Ending::cancelled, {"other", "never ended"}, {}});
     }
     std::vector<Waypoint> get() {
         WaypointsGet task{device};
         task.start(simulation.now);
         simulation.run(task);
         EXPECT_TRUE(task.end());
-        EXPECT_EQ(task.end()->ending, Ending::done) << task.end()->what;
+        EXPECT_EQ(task.end()->ending, Ending::done) << task.end()->fault.text();
         return task.waypoints();
     }
 };
@@ -49,19 +49,19 @@ TEST_F(WaypointsOf, an_online_device_that_stores_none_time_out_without_a_report_
     get.start(simulation.now);
     simulation.run(get);
     EXPECT_EQ(
-        get.end()->what,
+        get.end()->fault.text(),
         "0xDC is online, but did not answer the request for its number of waypoints, sent 30 times; it probably stores none");
-    EXPECT_EQ(put(route).what,
+    EXPECT_EQ(put(route).fault.text(),
               "0xDC is online, but did not acknowledge: write of waypoint 0, sent 6 times; it probably stores no more, or none");
     fake.deaf = true;
     simulation.pass(std::chrono::seconds{1});
-    EXPECT_EQ(put(route).what, "0xDC does not answer: write of waypoint 0, sent 6 times");
+    EXPECT_EQ(put(route).fault.text(), "0xDC does not answer: write of waypoint 0, sent 6 times");
 }
 
 TEST_F(WaypointsOf, a_device_are_compared_after_the_rounding_of_the_protocol) {
     const End end = put({{0, 113.123456789, 22.0, 0, 0, 0, 0, {}}});
     EXPECT_EQ(end.ending, Ending::done);
-    EXPECT_EQ(end.what, "");
+    EXPECT_EQ(end.fault.text(), "");
 }
 
 TEST_F(WaypointsOf, a_device_that_are_stored_differently_or_remain_are_reported) {
@@ -76,7 +76,7 @@ TEST_F(WaypointsOf, a_device_that_are_stored_differently_or_remain_are_reported)
     };
     const End end = put(route);
     EXPECT_EQ(end.ending, Ending::done);
-    EXPECT_EQ(end.what, "1 of them were stored differently (1), and 0xDC has 5, the last 3 are its old ones");
+    EXPECT_EQ(end.fault.text(), "1 of them were stored differently (1), and 0xDC has 5, the last 3 are its old ones");
 }
 
 TEST_F(WaypointsOf, a_device_that_acknowledges_all_and_stores_none_fail) {
@@ -88,7 +88,7 @@ TEST_F(WaypointsOf, a_device_that_acknowledges_all_and_stores_none_fail) {
     };
     const End end = put(route);
     EXPECT_EQ(end.ending, Ending::failed);
-    EXPECT_EQ(end.what, "0xDC acknowledged all waypoints but stored none of them as written: 0, 1");
+    EXPECT_EQ(end.fault.text(), "0xDC acknowledged all waypoints but stored none of them as written: 0, 1");
 }
 
 TEST_F(WaypointsOf, an_impossible_position_are_never_sent) {
@@ -106,7 +106,7 @@ TEST_F(WaypointsOf, a_device_that_acknowledges_but_does_not_return_them_are_refu
     };
     const End end = put(route);
     EXPECT_EQ(end.ending, Ending::refused);
-    EXPECT_EQ(end.what, "0xDC acknowledged waypoint 0 but does not return it");
+    EXPECT_EQ(end.fault.text(), "0xDC acknowledged waypoint 0 but does not return it");
 }
 
 TEST_F(WaypointsOf, a_device_that_acknowledges_with_wrong_check_bytes_are_read_back_and_reported) {
@@ -116,8 +116,8 @@ TEST_F(WaypointsOf, a_device_that_acknowledges_with_wrong_check_bytes_are_read_b
         return std::vector<Bytes>{fake.to_host(f, 0x00, {0x61, 1, 2})};
     };
     const End end = put(route);
-    EXPECT_EQ(end.ending, Ending::done) << end.what;
-    EXPECT_EQ(end.what, "2 of them were acknowledged with wrong check bytes but are stored");
+    EXPECT_EQ(end.ending, Ending::done) << end.fault.text();
+    EXPECT_EQ(end.fault.text(), "2 of them were acknowledged with wrong check bytes but are stored");
 }
 
 // It writes flash for each waypoint, and receives nothing meanwhile.
@@ -133,7 +133,7 @@ TEST_F(WaypointsOf, a_device_that_acknowledges_3_s_late_are_still_written) {
         return std::nullopt;
     };
     const End end = put(route);
-    EXPECT_EQ(end.ending, Ending::done) << end.what;
+    EXPECT_EQ(end.ending, Ending::done) << end.fault.text();
     fake.instead = nullptr;
     EXPECT_EQ(get(), route);
 }
@@ -146,8 +146,8 @@ TEST_F(WaypointsOf, a_device_that_does_not_acknowledge_are_read_back) {
     };
     const TimePoint begin = simulation.now;
     const End end = put(route);
-    EXPECT_EQ(end.ending, Ending::done) << end.what;
-    EXPECT_EQ(end.what, "2 of them were not acknowledged but are stored");
+    EXPECT_EQ(end.ending, Ending::done) << end.fault.text();
+    EXPECT_EQ(end.fault.text(), "2 of them were not acknowledged but are stored");
     EXPECT_LT(simulation.now - begin, std::chrono::seconds{5});
     EXPECT_EQ(fake.waypoints.size(), 2u);
 }
@@ -160,7 +160,7 @@ TEST_F(WaypointsOf, a_device_that_neither_acknowledges_nor_stores_time_out) {
     };
     const End end = put(route);
     EXPECT_EQ(end.ending, Ending::timeout);
-    EXPECT_EQ(end.what.substr(0, 60), "0xDC is online, but did not acknowledge: write of waypoint 0") << end.what;
+    EXPECT_EQ(end.fault.text().substr(0, 60), "0xDC is online, but did not acknowledge: write of waypoint 0") << end.fault.text();
 }
 
 TEST_F(WaypointsOf, a_device_that_are_lost_by_a_restart_are_reported) {
@@ -174,7 +174,7 @@ TEST_F(WaypointsOf, a_device_that_are_lost_by_a_restart_are_reported) {
     };
     const End end = put(long_route);
     EXPECT_EQ(end.ending, Ending::failed);
-    EXPECT_EQ(end.what, "0xDC did not keep these waypoints (it has probably restarted): 0, 1, 2");
+    EXPECT_EQ(end.fault.text(), "0xDC did not keep these waypoints (it has probably restarted): 0, 1, 2");
 }
 
 // It restarts between a write and its read-back, so fast that there is no sign: the read-back is answered from its old list.
@@ -196,8 +196,8 @@ TEST_F(WaypointsOf, a_device_that_are_lost_by_a_short_restart_are_all_reported) 
         simulation.run(task);
         ASSERT_TRUE(task.end());
         EXPECT_EQ(task.end()->ending, Ending::failed);
-        EXPECT_EQ(task.end()->what, std::string{"0xDC did not keep these waypoints (it has probably restarted): "} +
-                                        (at == 3 ? "0, 1, 2" : "0, 1, 2, 3, 4"));
+        EXPECT_EQ(task.end()->fault.text(), std::string{"0xDC did not keep these waypoints (it has probably restarted): "} +
+                                                (at == 3 ? "0, 1, 2" : "0, 1, 2, 3, 4"));
         EXPECT_EQ(task.progress().done, at == 3 ? 3u : 1u) << "the one that was read back otherwise is written again";
     }
 }
@@ -216,9 +216,9 @@ TEST_F(WaypointsOf, a_device_that_are_read_back_differently_are_written_once_mor
             return answers;
         };
         const End end = put(wanted);
-        EXPECT_EQ(end.ending, Ending::done) << end.what;
+        EXPECT_EQ(end.ending, Ending::done) << end.fault.text();
         EXPECT_EQ(get()[0], route[0]);
-        EXPECT_EQ(end.what.find("otherwise"), std::string::npos) << end.what;
+        EXPECT_EQ(end.fault.text().find("otherwise"), std::string::npos) << end.fault.text();
     }
 }
 
@@ -238,8 +238,8 @@ TEST_F(WaypointsOf, a_device_are_not_reported_as_lost_by_a_late_answer_from_befo
         task.start(simulation.now);
         simulation.run(task);
         ASSERT_TRUE(task.end());
-        EXPECT_EQ(task.end()->ending, Ending::done) << task.end()->what;
-        EXPECT_EQ(task.end()->what, "") << "neither lost nor stored otherwise";
+        EXPECT_EQ(task.end()->ending, Ending::done) << task.end()->fault.text();
+        EXPECT_EQ(task.end()->fault.text(), "") << "neither lost nor stored otherwise";
         EXPECT_EQ(task.progress().done, size);
         EXPECT_EQ(task.stored().size(), size);
         EXPECT_EQ(get(), wanted);
@@ -253,7 +253,7 @@ TEST_F(WaypointsOf, a_device_that_are_lost_after_the_read_back_are_reported) {
     };
     const End end = put(route);
     EXPECT_EQ(end.ending, Ending::failed);
-    EXPECT_EQ(end.what, "0xDC did not keep these waypoints (it has probably restarted): 0");
+    EXPECT_EQ(end.fault.text(), "0xDC did not keep these waypoints (it has probably restarted): 0");
 }
 
 TEST_F(WaypointsOf, a_device_on_a_lossy_line_are_not_reported_as_lost_by_a_restart) {
@@ -265,7 +265,7 @@ TEST_F(WaypointsOf, a_device_on_a_lossy_line_are_not_reported_as_lost_by_a_resta
         task.start(bad.now);
         bad.run(task);
         ASSERT_TRUE(task.end());
-        EXPECT_EQ(task.end()->ending, Ending::done) << "seed " << seed << ": " << task.end()->what;
+        EXPECT_EQ(task.end()->ending, Ending::done) << "seed " << seed << ": " << task.end()->fault.text();
     }
 }
 
@@ -277,7 +277,7 @@ TEST_F(WaypointsOf, a_cancelled_write_are_counted_up_to_the_last_one_written) {
     task.start(simulation.now);
     simulation.run(task);
     ASSERT_TRUE(task.end());
-    EXPECT_EQ(task.end()->what, "1 of 2 waypoints are written");
+    EXPECT_EQ(task.end()->fault.text(), "1 of 2 waypoints are written");
 }
 
 }    // namespace

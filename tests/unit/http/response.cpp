@@ -49,15 +49,20 @@ TEST(ResponseHead, of_a_stream_of_known_length_contains_the_length) {
 }
 
 TEST(ResponseError, is_valid_json_whatever_text_it_quotes) {
-    EXPECT_EQ(error(404, "no '\"' or \\ here").body, "{\"error\": \"no '\\\"' or \\\\ here\", \"what\": \"unknown\"}\n");
-    EXPECT_EQ(error(400, "\n\x1b\xff").body, "{\"error\": \"???\", \"what\": \"invalid\"}\n");
+    EXPECT_EQ(error(404, "no '\"' or \\ here").body,
+              "{\"error\": \"no '\\\"' or \\\\ here\", \"error_id\": \"other\", \"error_args\": {\"text\": \"no '\\\"' or \\\\ "
+              "here\"}, "
+              "\"what\": \"unknown\"}\n");
+    EXPECT_EQ(error(400, "\n\x1b\xff").body,
+              "{\"error\": \"???\", \"error_id\": \"other\", \"error_args\": {\"text\": \"???\"}, \"what\": \"invalid\"}\n");
 }
 
 TEST(ResponseError, of_a_busy_server_contains_retry_after) {
-    const std::string words = final_text(try_again("not now"));
+    const std::string words = final_text(try_again("not now")), body = error(503, "not now").body;
     EXPECT_EQ(words,
               "HTTP/1.1 503 Service Unavailable\r\nRetry-After: 1\r\nContent-Type: application/json\r\nServer: anogate\r\n"
-              "Connection: close\r\nContent-Length: 37\r\n\r\n{\"error\": \"not now\", \"what\": \"busy\"}\n");
+              "Connection: close\r\nContent-Length: " +
+                  std::to_string(body.size()) + "\r\n\r\n" + body);
 }
 
 TEST(ResponseChunk, starts_with_its_length_in_hex) {

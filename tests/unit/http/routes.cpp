@@ -79,7 +79,7 @@ TEST_F(RoutesTest, the_response_for_an_unsupported_method_lists_the_supported_on
     const Response posted = ask("POST", "/status");
     EXPECT_EQ(posted.status, 405u);
     EXPECT_EQ(posted.headers, (std::vector<Field>{{"Allow", "GET, HEAD"}}));
-    EXPECT_EQ(posted.body, "{\"error\": \"this path supports only GET, HEAD\", \"what\": \"unsupported\"}\n");
+    EXPECT_EQ(posted.body, error(405, "this path supports only GET, HEAD").body);
     EXPECT_EQ(ask("PUT", "/links/fc").headers, (std::vector<Field>{{"Allow", "GET, HEAD, DELETE"}}));
     add("GET", "/links/last");
     EXPECT_EQ(ask("PUT", "/links/last").headers, (std::vector<Field>{{"Allow", "GET, HEAD, DELETE"}})) << "each once";
@@ -88,14 +88,13 @@ TEST_F(RoutesTest, the_response_for_an_unsupported_method_lists_the_supported_on
 }
 
 TEST_F(RoutesTest, the_response_for_an_unknown_path_suggests_the_nearest_one) {
-    const std::string nothing = "{\"error\": \"this path does not exist";
-    EXPECT_EQ(not_there("/statsu"), nothing + " (did you mean '/status'?)\", \"what\": \"unknown\"}\n");
-    EXPECT_EQ(not_there("/status/"), nothing + " (did you mean '/status'?)\", \"what\": \"unknown\"}\n");
-    EXPECT_EQ(not_there("/link/a-long-name"), nothing + " (did you mean '/links/{name}'?)\", \"what\": \"unknown\"}\n");
-    EXPECT_EQ(not_there("/devices/0xDC/paramters"),
-              nothing + " (did you mean '/devices/{device}/parameters'?)\", \"what\": \"unknown\"}\n");
-    EXPECT_EQ(not_there("/something/else"), nothing + "; try /status\", \"what\": \"unknown\"}\n");
-    EXPECT_EQ(not_there("/"), nothing + "; try /status\", \"what\": \"unknown\"}\n");
+    const auto nothing = [](const std::string& rest) { return error(404, "this path does not exist" + rest).body; };
+    EXPECT_EQ(not_there("/statsu"), nothing(" (did you mean '/status'?)"));
+    EXPECT_EQ(not_there("/status/"), nothing(" (did you mean '/status'?)"));
+    EXPECT_EQ(not_there("/link/a-long-name"), nothing(" (did you mean '/links/{name}'?)"));
+    EXPECT_EQ(not_there("/devices/0xDC/paramters"), nothing(" (did you mean '/devices/{device}/parameters'?)"));
+    EXPECT_EQ(not_there("/something/else"), nothing("; try /status"));
+    EXPECT_EQ(not_there("/"), nothing("; try /status"));
 }
 
 TEST_F(RoutesTest, a_target_that_only_resembles_a_path_is_not_found) {
@@ -104,9 +103,7 @@ TEST_F(RoutesTest, a_target_that_only_resembles_a_path_is_not_found) {
     EXPECT_EQ(ask("GET", "/" + std::string(8000, '/')).status, 404u);
 }
 
-TEST_F(Table, without_rows_finds_no_path) {
-    EXPECT_EQ(not_there("/status"), "{\"error\": \"this path does not exist\", \"what\": \"unknown\"}\n");
-}
+TEST_F(Table, without_rows_finds_no_path) { EXPECT_EQ(not_there("/status"), error(404, "this path does not exist").body); }
 
 }    // namespace
 }    // namespace anogate::http::routes_tests

@@ -1,4 +1,5 @@
 // The generated files of the repository match the tables. tools/update-generated writes them.
+#include <ano/faults.hpp>
 #include <ano_json/describe.hpp>
 #include <anoctl/text/reference.hpp>
 #include <config/config.hpp>
@@ -93,6 +94,16 @@ TEST(Messages, in_the_repository_match_the_table) {
     std::string rows = "[";    // for tests of the page
     for (const auto& row : ano::describe_all({})) rows += (rows.size() > 1 ? ",\n" : "\n") + row.dump();
     is_current("src/web/test/messages.json", rows + "\n]\n");
+}
+
+TEST(Faults, in_the_repository_match_the_table) {
+    std::string rows;
+    for (const ano::FaultRow& row : ano::fault_rows)
+        rows += "  " + std::string{row.id} + ": " + nlohmann::json(row.chinese).dump() + ",\n";
+    is_current("src/web/src/faults.ts",
+               "// The Chinese texts of include/ano/faults.hpp. Made by tools/update-generated.\n"
+               "export const faults: Record<string, string> = {\n" +
+                   rows + "};\n");
 }
 
 TEST(Page, escapes_text_that_looks_like_commands) {

@@ -51,7 +51,7 @@ struct Workshop {
         Calibration task{host, sensor};
         drive(task);
         ASSERT_TRUE(task.end());
-        ASSERT_EQ(task.end()->ending, ano::host::Ending::done) << task.end()->what;
+        ASSERT_EQ(task.end()->ending, ano::host::Ending::done) << task.end()->fault.text();
         ASSERT_LT(task.residuals()->second, task.residuals()->first / 3);
     }
     std::vector<ano::world::Vector> measured(std::uint8_t id) {
@@ -129,9 +129,9 @@ TEST(CalibrationOfSimulated, corrects_the_accelerometer_of_an_imu_that_restarts_
         task.look(now);
     }
     ASSERT_TRUE(task.end());
-    EXPECT_EQ(task.end()->ending, ano::host::Ending::done) << task.end()->what;
+    EXPECT_EQ(task.end()->ending, ano::host::Ending::done) << task.end()->fault.text();
     EXPECT_EQ(task.restarts(), 1u);
-    EXPECT_EQ(task.last_restart(), "no samples for 1.0 s");
+    EXPECT_EQ(task.last_restart().text(), "no samples for 1.0 s");
     EXPECT_LT(task.verified().value_or(100), 3);
 }
 

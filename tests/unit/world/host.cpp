@@ -55,20 +55,20 @@ TEST(HostOfSimulated, reads_and_writes_over_a_bad_link) {
         all.read_all(day.now);
         day.run(all);
         ASSERT_TRUE(all.end());
-        ASSERT_EQ(all.end()->ending, ano::host::Ending::done) << all.end()->what;
+        ASSERT_EQ(all.end()->ending, ano::host::Ending::done) << all.end()->fault.text();
         EXPECT_EQ(all.descriptions().size(), 150u);
         const auto speed = all.find("SIM_SPEED").parameter;
         ASSERT_NE(speed, nullptr);
         ano::host::ParameterWrite write{day.host, *speed, std::int64_t{5000}};
         write.start(day.now);
         day.run(write);
-        ASSERT_EQ(write.end()->ending, ano::host::Ending::done) << write.end()->what;
+        ASSERT_EQ(write.end()->ending, ano::host::Ending::done) << write.end()->fault.text();
         EXPECT_TRUE(write.is_clamped());
         EXPECT_EQ(write.stored(), ano::host::AnyValue{std::int64_t{1000}});
         ano::host::Commands commands{day.host};
         commands.read(day.now);
         day.run(commands);
-        ASSERT_EQ(commands.end()->ending, ano::host::Ending::done) << commands.end()->what;
+        ASSERT_EQ(commands.end()->ending, ano::host::Ending::done) << commands.end()->fault.text();
         EXPECT_EQ(commands.descriptions().size(), 12u);
     }
 }

@@ -37,8 +37,8 @@ std::string misfit_of(const std::string& word, const std::string& type_name, std
     ano::host::ParameterInfo info;
     info.type = type;
     info.mul = mul;
-    const std::string misfit = ano::host::format_misfit(ano::host::append(bytes, value, info), info);
-    return misfit.empty() ? misfit : ano::in_quotes(word) + " " + misfit;
+    const ano::host::Misfit misfit = ano::host::with_range(ano::host::append(bytes, value, info), info);
+    return misfit.empty() ? std::string{} : ano::in_quotes(word) + " " + misfit.text();
 }
 
 }    // namespace anoctl

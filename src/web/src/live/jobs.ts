@@ -1,7 +1,8 @@
 // Jobs: operations that take long. The gateway reports their progress as lines, and the result at the end.
 import { ask, isWrite, onHeard, path, refusalOf, requestOf, type Answer, type Options } from "../api";
+import type { Fault } from "../i18n";
 
-export interface Job<T = unknown> {
+export interface Job<T = unknown> extends Fault {
   id: number;
   device?: string;
   kind: string;
@@ -12,7 +13,6 @@ export interface Job<T = unknown> {
   unit?: string;
   message: string;
   step?: unknown;
-  error?: string;
   what?: string;
   status?: number;
   evidence?: Record<string, unknown>;

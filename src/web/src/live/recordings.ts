@@ -1,7 +1,8 @@
 // The recordings of the gateway, stored and running, and requests for new ones.
 import { ask, type Answer } from "../api";
+import type { Fault } from "../i18n";
 
-export interface RunningRecording {
+export interface RunningRecording extends Fault {
   name: string;
   by: string; // "configuration" or "request"
   file: string;
@@ -10,7 +11,6 @@ export interface RunningRecording {
   frames: number;
   bytes: number;
   not_written: number;
-  error: string;
   since: number; // Unix seconds
   seconds: number;
   ends_in_s: number | null;
@@ -25,7 +25,7 @@ export interface Recording {
   time: number;
   state: string; // "recording", "ended" or "unfinished"
 }
-export interface KeptLast {
+export interface KeptLast extends Fault {
   seconds: number;
   held_s: number;
   frames: number;
@@ -33,13 +33,11 @@ export interface KeptLast {
   saved: number;
   skipped: number;
   last: string;
-  error: string;
 }
-export interface Recordings {
+export interface Recordings extends Fault {
   folder: string;
   free_bytes: number | null;
   free_needed: number;
-  error: string;
   others: number;
   keep_last: KeptLast | null;
   running: RunningRecording[];
@@ -49,14 +47,12 @@ export interface Recordings {
 /** The section `recording` of the status; null: recording is not available. */
 export type RecordingState = Pick<Recordings, "keep_last" | "running"> | null;
 
-export interface RecordingFault {
+export interface RecordingFault extends Fault {
   name: string; // name of the recording; empty: the frames of keep_last could not be saved
-  error: string;
 }
 
 export function faultsOf(state: RecordingState | undefined): RecordingFault[] {
-  const all = (state?.running ?? []).map(({ name, error }) => ({ name, error }));
-  return [...all, { name: "", error: state?.keep_last?.error ?? "" }].filter((one) => one.error !== "");
+  return [...(state?.running ?? []), { ...state?.keep_last, name: "" }].filter((one) => one.error);
 }
 
 /** The form for a new recording; empty: not given. */

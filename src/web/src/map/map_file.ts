@@ -1,5 +1,5 @@
 // Reads the gateway's map by HTTP ranges: only the parts that are needed.
-import { headerOf, headerSize, directoryOf, entryFor, MapFault, tileNumber, type Entry, type MapHeader, type Part } from "./pmtiles";
+import { damaged, headerOf, headerSize, directoryOf, entryFor, MapFault, tileNumber, type Entry, type MapHeader, type Part } from "./pmtiles";
 
 /** Reads the bytes of a part; returns fewer at the end of the file. */
 export type ReadPart = (part: Part) => Promise<ArrayBuffer>;
@@ -17,7 +17,7 @@ async function unpacked(bytes: ArrayBuffer, maxBytes: number, what: string): Pro
   let size = 0;
   for (let part = await reader.read(); !part.done; part = await reader.read()) {
     parts.push(part.value);
-    if ((size += part.value.length) > maxBytes) throw new MapFault(`${what} is too large`);
+    if ((size += part.value.length) > maxBytes) throw damaged(`${what} is too large`);
   }
   const all = new Uint8Array(size);
   let at = 0;
@@ -40,7 +40,7 @@ export class MapFile {
     const first = await read({ at: 0, size: firstBytes });
     const header = headerOf(first);
     const { at, size } = header.root;
-    if (at < headerSize || at + size > firstBytes) throw new MapFault("its first directory is not where it must be");
+    if (at < headerSize || at + size > firstBytes) throw damaged("its first directory is not where it must be");
     const file = new MapFile(read, header), root = await file.entriesIn(first.slice(at, at + size));
     file.directories.set(at, Promise.resolve(root));
     return file;
@@ -65,17 +65,17 @@ export class MapFile {
       if (entry.run > 0) return this.picture({ at: this.header.tiles.at + entry.at, size: entry.size });
       directory = { at: this.header.leaves.at + entry.at, size: entry.size };
     }
-    throw new MapFault("its directories form a loop");
+    throw damaged("its directories form a loop");
   }
 
   private async picture(part: Part): Promise<Blob> {
-    if (part.size > maxTile) throw new MapFault("a tile is too large");
+    if (part.size > maxTile) throw new MapFault("tile_too_large");
     return new Blob([await this.read(part)], { type: this.header.type });
   }
 
   private async bytesOf(bytes: ArrayBuffer, maxBytes: number, what: string): Promise<Uint8Array> {
     if (!this.header.packed) return new Uint8Array(bytes);
-    return unpacked(bytes, maxBytes, what).catch((fault: unknown) => { throw fault instanceof MapFault ? fault : new MapFault(`${what} is damaged`); });
+    return unpacked(bytes, maxBytes, what).catch((fault: unknown) => { throw fault instanceof MapFault ? fault : damaged(`${what} is damaged`); });
   }
 
   private async entriesIn(bytes: ArrayBuffer): Promise<Entry[]> {
@@ -85,7 +85,7 @@ export class MapFile {
   private entries(part: Part): Promise<Entry[]> {
     let known = this.directories.get(part.at);
     if (known) return known;
-    if (part.size > maxDirectory) throw new MapFault("a directory is too large");
+    if (part.size > maxDirectory) throw damaged("a directory is too large");
     if (this.directories.size > keptDirectories) this.directories.delete([...this.directories.keys()].find((at) => at !== this.header.root.at)!);
     known = this.read(part).then((bytes) => this.entriesIn(bytes));
     this.directories.set(part.at, known);

@@ -1,4 +1,5 @@
 // Reads the structure of .pmtiles files, version 3. Pure. Each number in the file is checked before use.
+import type { Fault, Key } from "../i18n";
 
 export interface Part {
   at: number; // bytes from the start of the file
@@ -28,25 +29,33 @@ const maxWholeZoom = 26; // at higher zooms, a double can't represent the number
 const maxEntries = 1 << 20;
 const pictures: Record<number, string> = { 2: "image/png", 3: "image/jpeg", 4: "image/webp", 5: "image/avif" };
 
-/** The reason why a map can't be shown, as a clause for users. */
-export class MapFault extends Error {}
+/** The reason why a map can't be shown: a text of the page with its arguments, or the reason of the gateway. */
+export class MapFault extends Error {
+  constructor(
+    readonly why: Key | Fault,
+    readonly args: Record<string, unknown> = {},
+  ) {
+    super(typeof why === "string" ? why : why.error);
+  }
+}
+export const damaged = (why: string): MapFault => new MapFault("map_damaged", { why });
 
 function whole(view: DataView, at: number): number {
   const number = Number(view.getBigUint64(at, true));
-  if (!Number.isSafeInteger(number)) throw new MapFault("an offset beyond 2^53");
+  if (!Number.isSafeInteger(number)) throw damaged("an offset beyond 2^53");
   return number;
 }
 
 export function headerOf(bytes: ArrayBuffer): MapHeader {
   const view = new DataView(bytes);
   const magic = [0x50, 0x4d, 0x54, 0x69, 0x6c, 0x65, 0x73, 3]; // "PMTiles", version 3
-  if (bytes.byteLength < headerSize || magic.some((byte, i) => view.getUint8(i) !== byte)) throw new MapFault("not a PMTiles file of version 3");
+  if (bytes.byteLength < headerSize || magic.some((byte, i) => view.getUint8(i) !== byte)) throw new MapFault("map_of_other_version");
   const part = (at: number): Part => ({ at: whole(view, at), size: whole(view, at + 8) });
   const packing = view.getUint8(97), type = pictures[view.getUint8(99)];
-  if (packing !== 1 && packing !== 2) throw new MapFault("its directories are not compressed with gzip");
-  if (!type) throw new MapFault("its tiles are not images: only raster tiles are supported");
+  if (packing !== 1 && packing !== 2) throw new MapFault("map_not_gzip");
+  if (!type) throw new MapFault("map_no_images");
   const minZoom = view.getUint8(100), maxZoom = view.getUint8(101);
-  if (minZoom > maxZoom || maxZoom > maxWholeZoom) throw new MapFault(`it has zooms ${minZoom} to ${maxZoom}`);
+  if (minZoom > maxZoom || maxZoom > maxWholeZoom) throw new MapFault("map_zooms", { minZoom, maxZoom });
   return { root: part(8), about: part(24), leaves: part(40), tiles: part(56), packed: packing === 2, type, minZoom, maxZoom };
 }
 
@@ -60,18 +69,18 @@ class Numbers {
     let number = 0;
     for (let factor = 1; factor <= 2 ** 49; factor *= 128) {
       const byte = this.bytes[this.at++];
-      if (byte === undefined) throw new MapFault("a directory ends too early");
+      if (byte === undefined) throw damaged("a directory ends too early");
       number += (byte & 127) * factor;
       if (byte < 128) return number;
     }
-    throw new MapFault("a number in a directory is too large");
+    throw damaged("a number in a directory is too large");
   }
 }
 
 export function directoryOf(bytes: Uint8Array): Entry[] {
   const numbers = new Numbers(bytes);
   const count = numbers.next();
-  if (count > maxEntries || count > bytes.length) throw new MapFault("a directory has too many entries");
+  if (count > maxEntries || count > bytes.length) throw damaged("a directory has too many entries");
   const entries: Entry[] = [];
   let tile = 0;
   for (let i = 0; i < count; ++i) entries.push({ tile: (tile += numbers.next()), run: 0, size: 0, at: 0 });
@@ -80,7 +89,7 @@ export function directoryOf(bytes: Uint8Array): Entry[] {
   let end = 0; // end of the previous entry: most entries are contiguous
   for (const [i, entry] of entries.entries()) {
     const said = numbers.next();
-    if (said === 0 && i === 0) throw new MapFault("a directory has no start offset");
+    if (said === 0 && i === 0) throw damaged("a directory has no start offset");
     entry.at = said === 0 ? end : said - 1;
     end = entry.at + entry.size;
   }

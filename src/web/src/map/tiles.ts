@@ -12,8 +12,8 @@ type Kept = { picture?: ImageBitmap; asked?: boolean; failedAt?: number; none?: 
 
 /** Changes when a picture was loaded, so that the map is redrawn. */
 export const mapNews = new Store(0);
-/** A clause with the reason why no map can be shown. Empty: there is a map, or it is not known yet. */
-export const mapFault = new Store("");
+/** The reason why no map can be shown. undefined: there is a map, or it is not known yet. */
+export const mapFault = new Store<MapFault | undefined>(undefined);
 
 export class MapTiles {
   private opening: Promise<MapFile> | undefined;
@@ -50,13 +50,13 @@ export class MapTiles {
     ++this.asking;
     try {
       const blob = await (await this.open()).tile(zoom, x, y);
-      if (blob) one.picture = await createImageBitmap(blob).catch(() => { throw new MapFault("a tile is not an image"); });
+      if (blob) one.picture = await createImageBitmap(blob).catch(() => { throw new MapFault("tile_no_image"); });
       else one.none = true;
-      if (one.picture) mapFault.set("");
+      if (one.picture) mapFault.set(undefined);
     } catch (fault) {
       one.failedAt = performance.now();
       const isBlank = ![...this.kept.values()].some((other) => other.picture);
-      if (isBlank && fault instanceof MapFault) mapFault.set(fault.message);
+      if (isBlank && fault instanceof MapFault) mapFault.set(fault);
     }
     one.asked = false;
     --this.asking;
@@ -75,19 +75,19 @@ export class MapTiles {
 
   private open(): Promise<MapFile> {
     if (this.opening) return this.opening;
-    if (performance.now() - this.failedAt < againAfter) return Promise.reject(new MapFault(mapFault.get()));
+    if (performance.now() - this.failedAt < againAfter) return Promise.reject(mapFault.get());
     this.opening = MapFile.open((part) => this.read(part));
     this.opening.then(
       async (file) => {
         this.file = file;
-        mapFault.set("");
+        mapFault.set(undefined);
         this.attribution = await file.attribution().catch(() => "");
         mapNews.update((n) => n + 1);
       },
       (fault: unknown) => {
         this.failedAt = performance.now();
         this.opening = undefined;
-        mapFault.set(fault instanceof MapFault ? fault.message : "");
+        mapFault.set(fault instanceof MapFault ? fault : undefined);
       },
     );
     return this.opening;
@@ -98,7 +98,7 @@ export class MapTiles {
     const response = await fetch(path("/map.pmtiles"), { cache: "no-store", credentials: "same-origin", headers: { Range: `bytes=${at}-${at + size - 1}` } });
     onHeard.call();
     if (response.status === 401) onTokenNeeded.call();
-    if (response.status !== 206) throw new MapFault(refusalOf(response.status, await response.json().catch(() => undefined)).error);
+    if (response.status !== 206) throw new MapFault(refusalOf(response.status, await response.json().catch(() => undefined)));
     const version = response.headers.get("ETag") ?? "";
     if (this.version !== "" && version !== this.version) return this.beginAnew();
     this.version = version;
@@ -111,7 +111,7 @@ export class MapTiles {
     this.file = this.opening = undefined;
     for (const one of this.kept.values()) one.picture?.close();
     this.kept.clear();
-    throw new MapFault("the map file was replaced");
+    throw new MapFault("map_replaced");
   }
 }
 

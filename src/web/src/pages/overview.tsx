@@ -1,6 +1,6 @@
 // Overview of the gateway, beginning with problems.
 import { useState } from "preact/hooks";
-import { causeText, errorText, hintText, inWords, reasonText, t, useLanguage } from "../i18n";
+import { causeText, errorText, hintText, inWords, faultText, t, useLanguage } from "../i18n";
 import { lossesByCause } from "../live/counters";
 import { devices, mayAct, rateOf, scan, status, type Link, type Status } from "../live/gateway";
 import { faultsOf } from "../live/recordings";
@@ -27,8 +27,8 @@ function troublesOf(status: Status): Trouble[] {
   }
   for (const conflict of status.conflicts)
     all.push({ who: conflict.address, text: t("conflict", { address: conflict.address, links: (conflict.links ?? []).join(", ") }), bad: true });
-  for (const { name, error } of faultsOf(status.recording))
-    all.push({ who: name ? t("recording_fails", { name }) : t("last_not_saved"), text: reasonText(error), bad: true, page: "recordings" });
+  for (const { name, ...fault } of faultsOf(status.recording))
+    all.push({ who: name ? t("recording_fails", { name }) : t("last_not_saved"), text: faultText(fault), bad: true, page: "recordings" });
   const { standstills, longest_standstill_s: longest } = status.gateway;
   if (standstills > 0) all.push({ who: status.gateway.name, text: t("standstills", { n: standstills, s: longest }), bad: false });
   return all.sort((a, b) => Number(b.bad) - Number(a.bad));
@@ -100,7 +100,7 @@ function Scan() {
     setBusy(true);
     const answer = await scan();
     setBusy(false);
-    setWords(answer.ok ? t("scan_done", { n: answer.value.devices.length }) : t("failed", { why: answer.refusal.error || t("no_contact") }));
+    setWords(answer.ok ? t("scan_done", { n: answer.value.devices.length }) : t("failed", { why: faultText(answer.refusal) || t("no_contact") }));
   };
   return (
     <span class="scan">

@@ -2,7 +2,7 @@
 import { useEffect, useState } from "preact/hooks";
 import { path, type Refusal } from "../api";
 import { bytesText, clockText, dayText, shortNumber } from "../format";
-import { inWords, reasonText, t, useLanguage } from "../i18n";
+import { inWords, faultText, t, useLanguage } from "../i18n";
 import { mayAct } from "../live/gateway";
 import { beginRecording, deleteRecording, endRecording, fileOf, questionOf, readRecordings, saveLast, type KeptLast, type Recording, type Recordings as All, type RunningRecording, type Wishes } from "../live/recordings";
 import { OutcomeLine, refusalText, useAction, type Action } from "../parts/action";
@@ -46,7 +46,7 @@ function Disk({ all }: { all: All }) {
         {all.others > 0 && <span class="muted">{t("other_files", { n: all.others })}</span>}
       </p>
       {isFull && <p class="note warn" role="alert">{t("disk_full", { needed: bytesText(all.free_needed) })}</p>}
-      {all.error && <p class="bad" role="alert">{reasonText(all.error)}</p>}
+      {all.error && <p class="bad" role="alert">{faultText(all)}</p>}
     </>
   );
 }
@@ -103,7 +103,7 @@ function Last({ last, action }: { last: KeptLast; action: Action }) {
       <a href={path("/recordings/last")} download>{t("take_last")}</a>
       {last.saved > 0 && <span class="muted">{t("last_was_saved", { n: last.saved, name: last.last })}</span>}
       {last.skipped > 0 && <span class="warn">{t("last_skipped", { n: last.skipped })}</span>}
-      {last.error && <span class="bad" role="alert">{reasonText(last.error)}</span>}
+      {last.error && <span class="bad" role="alert">{faultText(last)}</span>}
     </p>
   );
 }
@@ -119,7 +119,7 @@ function Running({ one, action }: { one: RunningRecording; action: Action }) {
         {one.ends_in_s !== null && <span class="muted">{t("ends_in", { time: lasts(one.ends_in_s) })}</span>}
       </p>
       {one.not_written > 0 && <p class="note warn" role="status">{t("not_written", { n: one.not_written })}</p>}
-      {one.error && <p class="bad" role="alert">{reasonText(one.error)}</p>}
+      {one.error && <p class="bad" role="alert">{faultText(one)}</p>}
       {mayAct() && <Confirm label={t("end_recording")} question={t("end_question", { name: one.name })} yes={t("yes_end")} no={t("no_go_on")} disabled={action.busy} onYes={end} />}
     </li>
   );

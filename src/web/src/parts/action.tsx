@@ -1,7 +1,7 @@
 // An action on a device: one at a time, and its result is shown.
 import { useEffect, useRef, useState } from "preact/hooks";
 import type { Answer, Refusal } from "../api";
-import { messageText, reasonText, t, type Key } from "../i18n";
+import { faultText, messageText, t, type Key } from "../i18n";
 import { jobs, type Job } from "../live/jobs";
 import { hashOf } from "../route";
 import { visible } from "../visible";
@@ -26,7 +26,7 @@ function evidenceText(evidence: Record<string, unknown> | undefined): string {
 
 export function refusalText(refusal: Refusal): string {
   if (refusal.status === 0) return t("no_contact") + (refusal.writes ? t("may_have_been_done") : "");
-  const why = reasonText(refusal.error) + evidenceText(refusal.evidence);
+  const why = faultText(refusal) + evidenceText(refusal.evidence);
   if (refusal.what === "unknown" && refusal.status === 504) return t("unknown_end", { why });
   return refusal.status === 504 ? t("no_answer_of_device", { why }) : refusal.what === "busy" ? t("busy", { why }) : t("refused", { why });
 }

@@ -1,7 +1,7 @@
 // Sends a frame from a form based on the message table, and shows the links that sent, queued or dropped it.
 import { useState } from "preact/hooks";
 import { ask } from "../api";
-import { causeText, t, titleText } from "../i18n";
+import { causeText, faultText, t, titleText } from "../i18n";
 import { isNumber, isNumeric, type FieldRow, type MessageRow, type MessageTable } from "../protocol/table";
 import { frameOf } from "./frame_of";
 
@@ -69,7 +69,7 @@ export function SendForm({ of, onClose }: { of: MessageTable; onClose: () => voi
     setBusy(true);
     const answer = await ask<Fate>("/send", { method: "POST", body: frame.frame, timeout: 5000 });
     setBusy(false);
-    setOutcome(answer.ok ? { words: fateText(answer.value), bad: false } : { words: t("refused", { why: answer.refusal.error || t("no_contact") }), bad: true });
+    setOutcome(answer.ok ? { words: fateText(answer.value), bad: false } : { words: t("refused", { why: faultText(answer.refusal) || t("no_contact") }), bad: true });
   };
   return (
     <form class="card send" aria-label={t("send_frame")} onSubmit={(event) => void send(event)}>

@@ -1,6 +1,6 @@
 // The track of a vehicle from above, on a metric grid (up is x, forward at take-off), or on a map if the gateway has one.
 import { useEffect, useRef, useState } from "preact/hooks";
-import { reasonText, t } from "../i18n";
+import { faultText, t } from "../i18n";
 import { remember, remembered } from "../kept";
 import { status } from "../live/gateway";
 import { useStore } from "../live/store";
@@ -49,7 +49,7 @@ export function Track({ device, scene, onMap, yaw, way = false }: { device: numb
         {map && <button class="to-map" aria-pressed={wanted} onClick={turn}>{t("map")}</button>}
       </div>
       {map && wanted && !onMap && <p class="about-map">{t("map_needs_place")}</p>}
-      {map && wanted && onMap && fault && <p class="about-map warn" role="status">{t("no_map", { why: reasonText(fault) })}</p>}
+      {map && wanted && onMap && fault && <p class="about-map warn" role="status">{t("no_map", { why: typeof fault.why === "string" ? t(fault.why, fault.args) : faultText(fault.why) })}</p>}
       {shown !== scene && !fault && mapTiles.attribution && <p class="about-map muted">{mapTiles.attribution}</p>}
     </div>
   );
