@@ -1,4 +1,5 @@
 #include <ano_json/answer_json.hpp>
+#include <ano_json/fault_json.hpp>
 #include <ano_json/flexible_json.hpp>
 #include <ano_json/strict_json.hpp>
 #include <control/flexible_control.hpp>
@@ -39,8 +40,10 @@ http::Response faulty(const std::vector<ano::JsonFault>& faults) {
     if (faults.size() > most) lines.push_back("and " + std::to_string(faults.size() - most) + " more errors");
     http::Response response;
     response.status = 422;
-    response.body = line_of(
-        {{"error", "nothing was changed: " + lines[0].get<std::string>()}, {"what", "invalid"}, {"faults", std::move(lines)}});
+    Json json;
+    ano::add_fault(json, {"other", "nothing was changed: " + lines[0].get<std::string>()});
+    json.update({{"what", "invalid"}, {"faults", std::move(lines)}});
+    response.body = line_of(std::move(json));
     return response;
 }
 
@@ -125,8 +128,7 @@ void FlexibleControl::add_routes(http::Routes& routes) {
 
 http::Response FlexibleControl::set(const http::Request& request) {
     gateway_.turn();
-    if (gateway_.loop().may_have_waited(request.came_at))
-        return http::try_again("the gateway was paused and this request expired; please repeat it");
+    if (gateway_.loop().may_have_waited(request.came_at)) return http::try_again(ano::Fault{"request_expired"});
     auto read = layouts_in(request.body);
     if (auto* refusal = std::get_if<http::Response>(&read)) return std::move(*refusal);
     before_change_();

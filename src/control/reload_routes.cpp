@@ -1,4 +1,5 @@
 #include <ano_json/answer_json.hpp>
+#include <ano_json/fault_json.hpp>
 #include <ano_json/nearest.hpp>
 #include <ano_json/text.hpp>
 #include <config/values.hpp>
@@ -24,8 +25,12 @@ http::Response json_response(unsigned status, const Json& json) {
     return response;
 }
 
-http::Response refused(unsigned status, const std::string& error, const char* what) {
-    return json_response(status, {{"error", error}, {"what", what}});
+http::Response refused(unsigned status, const std::string& error, const char* what, Json faults = {}) {
+    Json json;
+    ano::add_fault(json, {"other", error});
+    json["what"] = what;
+    if (!faults.empty()) json["faults"] = std::move(faults);
+    return json_response(status, json);
 }
 
 http::Response answer_of(const ReloadOutcome& outcome) {
@@ -35,7 +40,7 @@ http::Response answer_of(const ReloadOutcome& outcome) {
         for (const ConfigError& fault : outcome.faults) faults.push_back(line_of(fault));
         const std::string error = "nothing was changed: the configuration has " + std::to_string(faults.size()) +
                                   (faults.size() == 1 ? " error" : " errors");
-        return json_response(422, {{"error", error}, {"what", "invalid"}, {"faults", std::move(faults)}});
+        return refused(422, error, "invalid", std::move(faults));
     }
     Json links = Json::array();
     for (const LinkDifference& link : outcome.difference.links)

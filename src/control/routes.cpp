@@ -17,7 +17,7 @@
 #include <runtime/gateway.hpp>
 #include <status/metrics.hpp>
 #include <status/status.hpp>
-#include <sys/errors.hpp>
+#include <sys/error_fault.hpp>
 
 #include <nlohmann/json.hpp>
 
@@ -74,13 +74,13 @@ std::variant<UniqueFd, http::Response> open_map(const std::string& path) {
     const std::string where = "control.map: " + path;
     UniqueFd file{::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC | O_NOCTTY)};
     struct stat is {};
-    if (!file || ::fstat(file.get(), &is) != 0) return http::error(404, error_text(where, errno));
-    if (!S_ISREG(is.st_mode)) return http::error(404, where + ": is not a regular file");
+    if (!file || ::fstat(file.get(), &is) != 0) return http::error(404, error_fault(where, errno));
+    if (!S_ISREG(is.st_mode)) return http::error({"no_regular_file", where});
     return file;
 }
 
 http::Response map_answer(TaskPool& disk, const MapSettings& map, const Request& request) {
-    if (map.file.empty()) return http::error(404, "there is no map: set control.map to a map file");
+    if (map.file.empty()) return http::error({"no_map"});
     return served(disk, request, {.open = [path = map.file] { return open_map(path); }, .type = "application/vnd.pmtiles"});
 }
 
@@ -112,9 +112,8 @@ template <class Function>
 http::Routes::Function in_time(Gateway& gateway, Function function) {
     return [&gateway, function](const http::Request& request) {
         gateway.turn();
-        return gateway.loop().may_have_waited(request.came_at)
-                   ? http::try_again("the gateway was paused and this request expired; please repeat it")
-                   : function(request);
+        return gateway.loop().may_have_waited(request.came_at) ? http::try_again(ano::Fault{"request_expired"})
+                                                               : function(request);
     };
 }
 

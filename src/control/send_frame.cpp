@@ -1,6 +1,7 @@
 #include <ano/conversation.hpp>
 #include <ano/hex.hpp>
 #include <ano_json/answer_json.hpp>
+#include <ano_json/fault_json.hpp>
 #include <ano_json/frame_json.hpp>
 #include <ano_json/strict_json.hpp>
 #include <config/link_kind.hpp>
@@ -135,7 +136,7 @@ http::Response response_for(const Gateway& gateway, const Fate& fate, bool ends_
     if (ends_here) json["taken_by"] = "gateway";
     else if (json["sent"].empty() && json["waiting"].empty()) {
         response.status = 409;
-        json["error"] = "not sent: " + (reasons.empty() ? std::string{"no link accepts it"} : reasons);
+        ano::add_fault(json, {"other", "not sent: " + (reasons.empty() ? std::string{"no link accepts it"} : reasons)});
         json["what"] = "refused";
     }
     response.body = line_of(json);

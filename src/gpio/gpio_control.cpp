@@ -1,4 +1,5 @@
 #include <ano_json/answer_json.hpp>
+#include <ano_json/fault_json.hpp>
 #include <ano_json/nearest.hpp>
 #include <ano_json/strict_json.hpp>
 #include <config/key_facts.hpp>
@@ -8,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <optional>
 
 namespace anogate {
 namespace {
@@ -45,8 +47,12 @@ http::Response reply(unsigned status, const Json& json) {
     return response;
 }
 
-http::Response refuse(unsigned status, const std::string& why) {
-    return reply(status, {{"error", why}, {"what", http::what_of(status)}});
+http::Response refuse(unsigned status, const std::string& why, std::optional<Duration> wait = {}) {
+    Json json;
+    ano::add_fault(json, {"other", why});
+    json["what"] = http::what_of(status);
+    if (wait) json["wait_s"] = in_seconds(*wait);
+    return reply(status, json);
 }
 
 bool can_act(GpioUse use) { return use == GpioUse::reset || use == GpioUse::power; }
@@ -112,7 +118,7 @@ http::Response gpio_request(Gpio& gpio, const std::string& body, TimePoint now) 
                       "the action must be pulse for a reset line or cycle for a power line, not " + in_quotes(wanted.action));
     if (const auto refusal = gpio.act(line, now)) {
         if (refusal->wait <= Duration::zero()) return refuse(409, refusal->why);
-        return reply(429, {{"error", refusal->why}, {"what", http::what_of(429)}, {"wait_s", in_seconds(refusal->wait)}});
+        return refuse(429, refusal->why, refusal->wait);
     }
     return reply(200, line_json(line, now));
 }

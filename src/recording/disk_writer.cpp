@@ -1,5 +1,5 @@
 #include <recording/disk_writer.hpp>
-#include <sys/errors.hpp>
+#include <sys/error_fault.hpp>
 
 #include <algorithm>
 #include <cerrno>
@@ -53,10 +53,10 @@ void DiskWriter::encode(const RecorderItem& item) {
 }
 
 void DiskWriter::turn(ano::TimePoint now) {
-    if (!error_.empty() && now < try_again_at_) return;
-    error_ = work(now);
-    if (!error_.empty() && !file_) error_ = work(now);    // the file was given up: the next one may work
-    if (!error_.empty()) try_again_at_ = now + try_again_after;
+    if (!fault_.empty() && now < try_again_at_) return;
+    fault_ = work(now);
+    if (!fault_.empty() && !file_) fault_ = work(now);    // the file was given up: the next one may work
+    if (!fault_.empty()) try_again_at_ = now + try_again_after;
     report();
 }
 
@@ -64,13 +64,13 @@ void DiskWriter::finish(ano::TimePoint now) {
     is_finishing_ = true;
     hurry();
     turn(now);
-    if (!error_.empty()) abandon();
+    if (!fault_.empty()) abandon();
 }
 
 // The RecordingWriter may have stopped in the middle of a record: its file is cut to the synced part, and the rest goes into the next one.
 void DiskWriter::lacks_memory(ano::TimePoint now) noexcept {
     if (file_) leave_file();
-    error_ = "out of memory";    // short enough to need no allocation
+    fault_ = {"out_of_memory"};    // without arguments, so that it needs no allocation
     try_again_at_ = now + try_again_after;
     if (is_finishing_) abandon();
     report();
@@ -84,12 +84,12 @@ void DiskWriter::abandon() noexcept {
 }
 
 // Returns empty, or a clause with the reason of the failure.
-std::string DiskWriter::work(ano::TimePoint now) {
+ano::Fault DiskWriter::work(ano::TimePoint now) {
     if (file_ && now >= look_for_file_at_) {
         look_for_file_at_ = now + look_time;
         if (!file_->is_there()) leave_file();
     }
-    if (std::string fault = file_ ? std::string{} : begin(now); !fault.empty()) return fault;
+    if (ano::Fault fault = file_ ? ano::Fault{} : begin(now); !fault.empty()) return fault;
     const FileSoFar so_far{file_->size() + waiting_.size(), safe_frames_ + written_frames_ + waiting_frames_ - frames_before_,
                            now - began_};
     if (!is_ending_) {
@@ -97,24 +97,24 @@ std::string DiskWriter::work(ano::TimePoint now) {
         if (is_finishing_ || is_time_for_the_next({settings_.rotate_bytes, settings_.rotate_time}, so_far)) {
             writer_->end(waiting_);
             is_ending_ = true;
-        } else if (std::string fault = look_for_room(now); !fault.empty()) {
+        } else if (ano::Fault fault = look_for_room(now); !fault.empty()) {
             return fault;
         }
     }
-    if (std::string fault = write(now); !fault.empty() || !is_ending_) return fault;
+    if (ano::Fault fault = write(now); !fault.empty() || !is_ending_) return fault;
     bytes_before_ += file_->size();
     writer_.reset();
     file_.reset();
     is_ending_ = false;
-    return is_finishing_ ? std::string{} : begin(now);
+    return is_finishing_ ? ano::Fault{} : begin(now);
 }
 
-std::string DiskWriter::begin(ano::TimePoint now) {
+ano::Fault DiskWriter::begin(ano::TimePoint now) {
     look_for_room_at_ = now;
-    if (std::string fault = look_for_room(now); !fault.empty()) return fault;
+    if (ano::Fault fault = look_for_room(now); !fault.empty()) return fault;
     auto made = RecordingFile::create(settings_.folder, settings_.name, settings_.format, number_);
     progress_.is_busy();
-    if (const auto* fault = std::get_if<DiskFault>(&made)) return fault->text;
+    if (const auto* fault = std::get_if<DiskFault>(&made)) return fault->fault;
     file_.emplace(std::get<RecordingFile>(std::move(made)));
     its_number_ = number_++;
     ++files_;
@@ -134,7 +134,7 @@ std::string DiskWriter::begin(ano::TimePoint now) {
 static_assert(room_needed(1) > DiskWriter::room_between_looks + 4 * DiskWriter::much);
 
 // The free space is checked every few MiB.
-std::string DiskWriter::look_for_room(ano::TimePoint now) {
+ano::Fault DiskWriter::look_for_room(ano::TimePoint now) {
     const std::uint64_t size = file_ ? file_->size() + waiting_.size() : 0;
     if (now < look_for_room_at_ && size < look_for_room_behind_) return {};
     look_for_room_at_ = now + look_time;
@@ -145,11 +145,10 @@ std::string DiskWriter::look_for_room(ano::TimePoint now) {
     const std::uint64_t needed = room_needed(settings_.keep_free);
     if (free >= needed) return {};
     look_for_room_at_ = now;
-    return settings_.folder + ": only " + room_text(free) + " of disk space is free, and recording needs " + room_text(needed) +
-           ": " + room_text(settings_.keep_free) + " to keep free (record.free) and 5 MB";
+    return {"too_little_room", settings_.folder, room_text(free), room_text(needed), room_text(settings_.keep_free)};
 }
 
-std::string DiskWriter::write(ano::TimePoint now) {
+ano::Fault DiskWriter::write(ano::TimePoint now) {
     progress_.is_busy();
     if (!waiting_.empty()) {
         if (const int error = file_->append(waiting_); error != 0) return failed(error);
@@ -159,7 +158,7 @@ std::string DiskWriter::write(ano::TimePoint now) {
     }
     if (file_->size() == safe_size_ || (!is_ending_ && now - safe_at_ < sync_time && safe_size_ > 0)) return {};
     if (const int error = file_->sync(); error != 0) {
-        std::string fault = failed(error);
+        ano::Fault fault = failed(error);
         if (file_) leave_file();    // the kernel marks pages as clean that it failed to write
         return fault;
     }
@@ -168,8 +167,8 @@ std::string DiskWriter::write(ano::TimePoint now) {
     return {};
 }
 
-std::string DiskWriter::failed(int error) {
-    std::string fault = error_text(path_, error);
+ano::Fault DiskWriter::failed(int error) {
+    ano::Fault fault = error_fault(path_, error);
     if (is_of_the_file(error)) leave_file();
     return fault;
 }

@@ -55,7 +55,7 @@ public:
     /// `settings` and `progress` must outlive it.
     DiskWriter(const RecorderSettings& settings, DiskProgress& progress) : settings_{settings}, progress_{progress} {}
 
-    bool accepts_more() const noexcept { return writer_ && error_.empty(); }
+    bool accepts_more() const noexcept { return writer_ && fault_.empty(); }
     void add(RecorderItem item);
     /// Enough bytes are waiting to call turn() now.
     bool has_much() const noexcept { return waiting_.size() >= much; }
@@ -67,17 +67,17 @@ public:
     /// To be called when one of the calls above threw std::bad_alloc: its work is repeated a second later, or given up if it was finish().
     void lacks_memory(ano::TimePoint now) noexcept;
     /// turn() must be called soon, even if there are no more items.
-    bool has_work() const noexcept { return !error_.empty() || (file_ && file_->size() != safe_size_); }
+    bool has_work() const noexcept { return !fault_.empty() || (file_ && file_->size() != safe_size_); }
 
-    const std::string& file() const noexcept { return path_; }      // empty: no file yet
-    const std::string& error() const noexcept { return error_; }    // empty: no error
+    const std::string& file() const noexcept { return path_; }    // empty: no file yet
+    const ano::Fault& fault() const noexcept { return fault_; }
 
 private:
-    std::string work(ano::TimePoint now);
-    std::string begin(ano::TimePoint now);
-    std::string look_for_room(ano::TimePoint now);
-    std::string write(ano::TimePoint now);
-    std::string failed(int error);
+    ano::Fault work(ano::TimePoint now);
+    ano::Fault begin(ano::TimePoint now);
+    ano::Fault look_for_room(ano::TimePoint now);
+    ano::Fault write(ano::TimePoint now);
+    ano::Fault failed(int error);
     void encode(const RecorderItem& item);
     void is_safe(ano::TimePoint now);
     void leave_file() noexcept;
@@ -95,7 +95,7 @@ private:
     std::uint64_t bytes_before_ = 0;    // in files that were ended
     ano::TimePoint began_{}, safe_at_{}, try_again_at_{}, look_for_file_at_{}, look_for_room_at_{};
     std::uint64_t look_for_room_behind_ = 0;    // free space is checked at this size of file_
-    std::string error_;
+    ano::Fault fault_;
     bool is_ending_ = false;    // waiting_ contains the end of file_
     bool is_finishing_ = false;
 

@@ -21,9 +21,8 @@ constexpr ano::Duration reported_lag = std::chrono::seconds{1};    // age of uns
 constexpr ano::Duration beat_time = std::chrono::milliseconds{150};
 constexpr ano::Duration beat_slack = std::chrono::milliseconds{50};
 
-std::string silence_text(ano::Duration silence) {
-    const auto seconds = std::max<std::int64_t>(1, std::chrono::duration_cast<std::chrono::seconds>(silence).count());
-    return "the disk has written nothing for " + std::to_string(seconds) + " s";
+ano::Fault silence_fault(ano::Duration silence) {
+    return {"disk_silent", std::max<std::int64_t>(1, std::chrono::duration_cast<std::chrono::seconds>(silence).count())};
 }
 
 }    // namespace
@@ -81,8 +80,8 @@ Recorder::Impl::Impl(Gateway& gateway, FrameWatch& watch, RecorderSettings setti
       thread_{std::make_shared<RecorderThread>(settings_)},
       notify_event_{gateway.io()},
       beat_{gateway.alarms(), [this] { beat(); }, beat_slack} {
-    news_.error = RecorderThread::start(thread_);
-    if (!news_.error.empty()) {
+    news_.fault = RecorderThread::start(thread_);
+    if (!news_.fault.empty()) {
         is_ended_ = true;
         notify();
         return;
@@ -175,7 +174,7 @@ void Recorder::Impl::look() {
 // The result is between half and all of the age of the oldest unsynced byte. Starts from zero after a silence or a fault, because
 // the frames that waited during it are still being written.
 ano::Duration Recorder::Impl::behind(TimePoint now) {
-    if (is_silent() || !news_.error.empty() || given_ - thread_->progress().in_flight >= marked_) {
+    if (is_silent() || !news_.fault.empty() || given_ - thread_->progress().in_flight >= marked_) {
         marked_ = given_;
         marked_at_ = now;
     }
@@ -187,7 +186,7 @@ void Recorder::Impl::beat() {
     const TimePoint now = Clock::now();
     const ano::Duration silence = thread_->silence(now);
     const bool loses = queue.lost() > 0, is_behind = behind(now) >= reported_lag || loses;
-    const auto was = std::exchange(disk_, pace_.look(now, {silence, is_behind, loses, !news_.error.empty()}));
+    const auto was = std::exchange(disk_, pace_.look(now, {silence, is_behind, loses, !news_.fault.empty()}));
     if (was == DiskPace::State::well && disk_ == DiskPace::State::well) lost_before_ = not_written();
     if (was != disk_ || loses) notify();
     const bool is_slow = disk_ == DiskPace::State::slow;
@@ -219,11 +218,10 @@ RecorderReport Recorder::Impl::report() const {
     report.file_frames = progress.file_frames;
     report.file_bytes = progress.file_bytes;
     report.not_written = not_written();
-    report.error = is_silent() ? silence_text(thread_->silence(Clock::now())) : news_.error;
-    report.is_slow = report.error.empty() && disk_ == DiskPace::State::slow && !is_ended_;
+    report.fault = is_silent() ? silence_fault(thread_->silence(Clock::now())) : news_.fault;
+    report.is_slow = report.fault.empty() && disk_ == DiskPace::State::slow && !is_ended_;
     report.loses = report.is_slow && report.not_written > lost_before_;
-    if (report.is_slow)
-        report.error = report.loses ? "the disk is too slow; frames are being lost" : "the disk is too slow; frames are waiting";
+    if (report.is_slow) report.fault = report.loses ? ano::Fault{"disk_loses"} : ano::Fault{"disk_waits"};
     return report;
 }
 

@@ -1,5 +1,6 @@
 // A recording that is being written: a watcher of the frames, and a thread for the disk. The loop never waits for the disk.
 #pragma once
+#include <ano/fault.hpp>
 #include <ano/time.hpp>
 #include <record/recording_writer.hpp>
 #include <watch/frame_filter.hpp>
@@ -40,8 +41,8 @@ struct RecorderReport {
     std::uint64_t file_frames = 0;    // frames in the current file; 0: no file
     std::uint64_t file_bytes = 0;
     std::uint64_t not_written = 0;    // frames lost because the disk was full, failed or was too slow
-    std::string error;                // a clause: why not everything is written at present; empty: no error
-    bool is_slow = false;             // the error is a slow disk: it is a second or more behind, or frames are lost
+    ano::Fault fault;                 // why not everything is written at present
+    bool is_slow = false;             // the fault is a slow disk: it is a second or more behind, or frames are lost
     bool loses = false;               // is_slow, and frames are lost
 };
 

@@ -1,5 +1,5 @@
 #include <recording/recorder_thread.hpp>
-#include <sys/errors.hpp>
+#include <sys/error_fault.hpp>
 #include <sys/thread_signals.hpp>
 
 #include <fcntl.h>
@@ -40,20 +40,20 @@ void stand_behind_the_loop() noexcept {
     ::setpriority(PRIO_PROCESS, 0, std::max(::getpriority(PRIO_PROCESS, 0), nice_of_thread));
 }
 
-std::string RecorderThread::start(const std::shared_ptr<RecorderThread>& self) {
+ano::Fault RecorderThread::start(const std::shared_ptr<RecorderThread>& self) {
     self->wake_ = recorder_event();
     self->notify_event_ = recorder_event();
     self->ended_ = recorder_event();
-    if (!self->wake_ || !self->notify_event_ || !self->ended_) return error_text("no file descriptor for the recorder", errno);
+    if (!self->wake_ || !self->notify_event_ || !self->ended_) return error_fault("no file descriptor for the recorder", errno);
     try {
         begin_thread([self, disk = std::make_unique<DiskWriter>(self->settings_, self->progress_)] {
             stand_behind_the_loop();
             self->run(*disk);
         }).detach();
     } catch (const std::system_error& error) {
-        return error_text("no thread for the recorder", error.code().value());
+        return error_fault("no thread for the recorder", error.code().value());
     } catch (const std::bad_alloc&) {
-        return "not enough memory for the recorder";
+        return {"other", "not enough memory for the recorder"};
     }
     return {};
 }
@@ -153,9 +153,9 @@ void RecorderThread::sleep(const DiskWriter& disk) {
 void RecorderThread::notify(const DiskWriter& disk) {
     bool must_notify = awaits_room_ && progress_.in_flight < max_in_flight / 2 && items_.has_room();
     if (must_notify) awaits_room_ = false;
-    if (reported_.file != disk.file() || reported_.error != disk.error() || reported_.files != progress_.files) {
+    if (reported_.file != disk.file() || reported_.fault.text() != disk.fault().text() || reported_.files != progress_.files) {
         try {
-            News news{disk.file(), disk.error(), progress_.files};
+            News news{disk.file(), disk.fault(), progress_.files};
             if (news_.push(news)) {
                 reported_ = std::move(news);
                 must_notify = true;

@@ -23,7 +23,8 @@ public:
     static constexpr std::size_t max_in_flight = 16 * 1024 * 1024;    // bytes
 
     struct News {
-        std::string file, error;    // as DiskWriter::file() and error()
+        std::string file;    // as DiskWriter::file() and fault()
+        ano::Fault fault;
         std::uint64_t files = 0;    // number of files begun; the last one is `file`
     };
 
@@ -32,7 +33,7 @@ public:
     RecorderThread& operator=(const RecorderThread&) = delete;
 
     /// Returns empty if the thread runs; otherwise a clause with the reason.
-    static std::string start(const std::shared_ptr<RecorderThread>& self);
+    static ano::Fault start(const std::shared_ptr<RecorderThread>& self);
 
     // To be called by the loop only.
 

@@ -1,6 +1,6 @@
 #include <record/rotation.hpp>
 #include <recording/recording_file.hpp>
-#include <sys/errors.hpp>
+#include <sys/error_fault.hpp>
 
 #include <fcntl.h>
 #include <sys/file.h>
@@ -31,9 +31,9 @@ UniqueFd open_folder(const std::string& folder) { return UniqueFd{::open(folder.
 
 std::variant<RecordingFile, DiskFault> RecordingFile::create(const std::string& folder, const std::string& name,
                                                              RecordingFormat format, unsigned& number) {
-    const auto fault = [&](int error) { return DiskFault{error, error_text(folder, error)}; };
+    const auto fault = [&](int error) { return DiskFault{error, error_fault(folder, error)}; };
     if (name.empty() || name.find('/') != std::string::npos)
-        return DiskFault{EINVAL, "\"" + name + "\" is not a valid file name"};
+        return DiskFault{EINVAL, {"other", "\"" + name + "\" is not a valid file name"}};
     if (const int error = make_folders(std::filesystem::path{folder}.lexically_normal()); error != 0) return fault(error);
     const UniqueFd at = open_folder(folder);
     if (!at) return fault(errno);
@@ -42,13 +42,13 @@ std::variant<RecordingFile, DiskFault> RecordingFile::create(const std::string& 
         UniqueFd fd{::openat(at.get(), file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, file_mode)};
         if (!fd && errno == EEXIST) continue;
         const std::string path = (std::filesystem::path{folder} / file).string();
-        if (!fd) return DiskFault{errno, error_text(path, errno)};
+        if (!fd) return DiskFault{errno, error_fault(path, errno)};
         ::flock(fd.get(), LOCK_EX | LOCK_NB);    // not every file system supports it
         ::fchmod(fd.get(), file_mode);           // independent of the umask
         ::fsync(at.get());
         return RecordingFile{std::move(fd), path};
     }
-    return DiskFault{EEXIST, folder + ": all names from " + name + " on are in use"};
+    return DiskFault{EEXIST, {"other", folder + ": all names from " + name + " on are in use"}};
 }
 
 int RecordingFile::append(std::string_view bytes) {

@@ -1,5 +1,6 @@
 // A file of a recording on the disk. Every call may block.
 #pragma once
+#include <ano/fault.hpp>
 #include <record/recording_writer.hpp>
 #include <sys/unique_fd.hpp>
 
@@ -13,8 +14,8 @@ namespace anogate {
 
 /// A failed operation of the disk.
 struct DiskFault {
-    int error = 0;       // errno
-    std::string text;    // where and why, in a clause
+    int error = 0;    // errno
+    ano::Fault fault;
 };
 
 /// The file contains complete parts only: a part that could not be written completely is removed. It is locked (flock) while it

@@ -26,12 +26,6 @@ FrameFilterSettings::Bytes bytes_of(const std::vector<ByteRange>& ranges) {
     return bytes;
 }
 
-// Errors are compared without numbers, because the number of free bytes in them changes all the time.
-std::string without_numbers(std::string text) {
-    std::erase_if(text, [](char c) { return (c >= '0' && c <= '9') || c == '.'; });
-    return text;
-}
-
 }    // namespace
 
 std::chrono::seconds since_1970() { return std::chrono::duration_cast<std::chrono::seconds>(time_by(CLOCK_REALTIME)); }
@@ -240,10 +234,10 @@ void Recordings::changed(Running& running) {
     if (!running.recorder) return;    // it is being constructed
     const RecorderReport report = running.recorder->report();
     log_changes(running, report);
-    const bool has_begun = report.files > 0 && report.error.empty();
-    if (!running.begun.empty() && (has_begun || !report.error.empty() || report.is_ended)) {
+    const bool has_begun = report.files > 0 && report.fault.empty();
+    if (!running.begun.empty() && (has_begun || !report.fault.empty() || report.is_ended)) {
         for (const Respond& respond : std::exchange(running.begun, {}))
-            respond(has_begun ? json_answer(json_of(running)) : http::error(507, "recording did not start: " + report.error));
+            respond(has_begun ? json_answer(json_of(running)) : http::error({"recording_not_started", report.fault}));
         if (!has_begun && !std::exchange(running.is_ending, true)) running.recorder->refuse();
     }
     if (report.is_ended) reap_soon();
@@ -256,15 +250,14 @@ void Recordings::log_changes(Running& running, const RecorderReport& report) {
         log_info("recording into {}", report.file);
         look_soon();
     }
-    const std::string error = without_numbers(report.error);
-    if (error == running.logged_error) return;
-    if (report.error.empty()) log_info("recording {}: resumed; {} frames are missing", running.asked.name, report.not_written);
+    if (report.fault.id() == running.logged_fault) return;
+    if (report.fault.empty()) log_info("recording {}: resumed; {} frames are missing", running.asked.name, report.not_written);
     else
-        log_warning("recording {}: {}; frames are still forwarded, {}", running.asked.name, report.error,
+        log_warning("recording {}: {}; frames are still forwarded, {}", running.asked.name, report.fault.text(),
                     !report.is_slow ? "but are not recorded"
                     : report.loses  ? "but not all are recorded"
                                     : "and none is lost yet");
-    running.logged_error = error;
+    running.logged_fault = report.fault.id();
     look_soon();
 }
 

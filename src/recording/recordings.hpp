@@ -137,7 +137,8 @@ private:
     std::unique_ptr<FrameMemory> memory_;    // nullptr: keep_last is off
     std::unique_ptr<FaultTrigger> fault_trigger_;
     std::optional<TimePoint> next_save_;    // before that, nothing is saved automatically
-    std::string last_saved_, save_fault_;
+    std::string last_saved_;
+    ano::Fault save_fault_;
     std::shared_ptr<JustSaved> just_saved_ = std::make_shared<JustSaved>();
     const std::chrono::seconds began_ = std::chrono::duration_cast<std::chrono::seconds>(
         std::chrono::system_clock::now().time_since_epoch());    // the start of this program, by both clocks

@@ -1,5 +1,6 @@
 // The reports and responses of Recordings, and its disk operations for them.
 #include <ano_json/answer_json.hpp>
+#include <ano_json/fault_json.hpp>
 #include <ano_json/nearest.hpp>
 #include <http/served_file.hpp>
 #include <link/clocks.hpp>
@@ -17,7 +18,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-http::Response refused(const Refusal& refusal) { return http::error(refusal.status, refusal.words); }
+http::Response refused(const Refusal& refusal) { return http::error(refusal.status, refusal.fault); }
 
 Json json_of(const FoundRecording& file) {
     Json json{{"name", file.name}, {"format", text(file.format)}, {"bytes", file.bytes}};
@@ -50,9 +51,8 @@ std::string type_of(RecordingFormat format) {
     return format == RecordingFormat::pcapng ? "application/vnd.tcpdump.pcap" : "application/octet-stream";
 }
 
-const char* const nothing_kept =
-    "no frames are kept: set \"record\": {\"keep_last\": \"60s\"} in the configuration to keep the last minute";
-const char* const no_folder = "there is no folder for recordings: set \"record\": {\"folder\": \"/path\"} in the configuration";
+http::Response nothing_kept() { return http::error({"nothing_kept", R"("record": {"keep_last": "60s"})"}); }
+http::Response no_folder() { return http::error({"no_recordings_folder", R"("record": {"folder": "/path"})"}); }
 
 }    // namespace
 
@@ -82,11 +82,11 @@ Json Recordings::json_of(const Running& running) const {
               {"file_bytes", report.file_bytes},
               {"file_seconds", in_seconds(now - running.file_began_at)},
               {"not_written", report.not_written},
-              {"error", report.error},
               {"since", json_seconds(running.began_ns)},
               {"seconds", in_seconds(runs)}};
     json["ends_in_s"] = running.asked.time ? Json(in_seconds(std::max(ano::Duration{}, *running.asked.time - runs)))
                                            : Json(nullptr);
+    ano::add_fault(json, report.fault);
     return json;
 }
 
@@ -103,8 +103,8 @@ void Recordings::describe(Json& recording) {
                                   {"bytes", kept.bytes},
                                   {"saved", past_.saved},
                                   {"skipped", past_.skipped},
-                                  {"last", last_saved_},
-                                  {"error", save_fault_}};
+                                  {"last", last_saved_}};
+        ano::add_fault(recording["keep_last"], save_fault_);
     }
     Json all = Json::array();
     for (const auto& running : running_) all.push_back(json_of(*running));
@@ -117,7 +117,7 @@ RecordingFigures Recordings::figures() {
     for (const auto& running : running_) {
         const RecorderReport report = running->recorder->report();
         ++figures.running;
-        if (!report.error.empty()) ++figures.failing;
+        if (!report.fault.empty()) ++figures.failing;
         figures.frames += report.frames;
         figures.bytes += report.bytes;
         figures.not_written += report.not_written;
@@ -138,7 +138,7 @@ http::Response Recordings::list() {
         Json all{{"folder", folder}};
         all["free_bytes"] = view.free ? Json(*view.free) : Json(nullptr);
         all["free_needed"] = json["free_needed"];
-        all["error"] = view.error;
+        ano::add_fault(all, view.fault);
         all["others"] = view.others;
         all["keep_last"] = json["keep_last"];
         all["running"] = json["running"];
@@ -151,10 +151,9 @@ http::Response Recordings::list() {
 http::Response Recordings::begin(AskedRecording asked) {
     if (asked.name.empty()) asked.name = name_by_time(since_1970());
     if (!is_recording_name(asked.name)) return http::error(422, recording_name_rule(asked.name));
-    if (folder_.empty()) return http::error(409, no_folder);
-    if (starting_.contains(asked.name) || find(asked.name)) return http::error(409, asked.name + " is already being recorded");
-    if (count_of_asked() >= max_asked)
-        return http::error(409, std::to_string(max_asked) + " requested recordings are already in progress: stop one of them");
+    if (folder_.empty()) return no_folder();
+    if (starting_.contains(asked.name) || find(asked.name)) return http::error({"recording_exists", asked.name});
+    if (count_of_asked() >= max_asked) return http::error({"recordings_running", max_asked});
     const auto held = std::make_shared<TaskPool::Ticket>();
     http::Response response = http::later([this, asked, weak = std::weak_ptr{held}](const Respond& respond) {
         const auto refusal = std::make_shared<std::optional<Refusal>>();
@@ -179,7 +178,7 @@ void Recordings::named(const AskedRecording& asked, const std::string& fault, co
     starting_.erase(asked.name);
     if (!fault.empty()) return respond(http::error(503, fault));
     if (refusal) return respond(refused(*refusal));
-    if (is_stopped_) return respond(http::error(503, "the gateway is stopping"));
+    if (is_stopped_) return respond(http::error({"stopping"}));
     Running& running = launch(asked, false);
     running.begun.push_back(respond);
     changed(running);
@@ -222,15 +221,15 @@ http::Response Recordings::file(const http::Request& request, std::string name) 
 }
 
 http::Response Recordings::save_last(std::string name, const WantedForm& wanted) {
-    if (is_stopped_) return http::error(503, "the gateway is stopping");
-    if (!memory_) return http::error(409, nothing_kept);
-    if (folder_.empty()) return http::error(409, no_folder);
+    if (is_stopped_) return http::error({"stopping"});
+    if (!memory_) return nothing_kept();
+    if (folder_.empty()) return no_folder();
     const bool is_made_up = name.empty();
     if (is_made_up) name = name_by_time(since_1970()) + "-last";
     if (!is_recording_name(name)) return http::error(422, recording_name_rule(name));
     http::Response response = http::later([this, name, is_made_up, wanted](const Respond& respond) {
         if (is_saving_) return respond(http::try_again("the previous save is not completely written yet"));
-        if (!memory_) return respond(http::error(409, nothing_kept));
+        if (!memory_) return respond(nothing_kept());
         is_saving_ = true;
         if (is_made_up) return save(save_of(name, wanted, respond));
         const auto asked = std::make_shared<Save>(save_of(name, wanted, respond));
@@ -247,7 +246,7 @@ http::Response Recordings::save_last(std::string name, const WantedForm& wanted)
 }
 
 http::Response Recordings::last(const WantedForm& wanted) {
-    if (!memory_) return http::error(409, nothing_kept);
+    if (!memory_) return nothing_kept();
     if (static_cast<std::size_t>(reading_.use_count()) > max_reading)
         return http::try_again("the last frames are already being read by " + std::to_string(max_reading) +
                                " clients; try again later");
@@ -298,22 +297,22 @@ void Recordings::save(Save what) {
                                   [&](const std::string& file) { just_saved->add(file, Clock::now() + saved_stays); });
         },
         [this, result, count, respond](const std::string& fault) {
-            if (!fault.empty()) *result = Refusal{503, fault};
+            if (!fault.empty()) *result = Refusal{503, {"other", fault}};
             saved(*result, count, respond);
         });
 }
 
 void Recordings::saved(const std::variant<SavedFrames, Refusal>& result, std::uint64_t frames, const Respond& respond) {
     if (const auto* refusal = std::get_if<Refusal>(&result)) {
-        save_fault_ = refusal->words;
-        log_warning("recording: the last frames are not saved: {}", refusal->words);
+        save_fault_ = refusal->fault;
+        log_warning("recording: the last frames are not saved: {}", refusal->fault.text());
         if (respond) respond(refused(*refusal));
         else next_save_ = Clock::now() + after_a_failed_save;
         return saving_ended();
     }
     const SavedFrames& file = std::get<SavedFrames>(result);
     ++past_.saved;
-    save_fault_.clear();
+    save_fault_ = {};
     last_saved_ = file.name;
     log_info("recording: the last {} frames are saved as {}", frames, file.name);
     look_soon();

@@ -5,6 +5,7 @@
 #include <record/recording_repair.hpp>
 #include <recording/recording_file.hpp>
 #include <recording/recordings_folder.hpp>
+#include <sys/error_fault.hpp>
 #include <sys/errors.hpp>
 
 #include <dirent.h>
@@ -163,7 +164,7 @@ void add_counts_of_mcap(int folder, FoundRecording& recording) {
 FolderView quick_view_of(const std::string& folder) {
     FolderView view;
     const UniqueFd at = opened_folder(folder);
-    if (!at && errno != ENOENT) view.error = error_text(folder, errno);
+    if (!at && errno != ENOENT) view.fault = error_fault(folder, errno);
     view.free = room_for(folder);
     if (!at) return view;
     for (const std::string& name : names_in(at.get())) {
@@ -204,23 +205,25 @@ Refusal refusal_of_open(int folder, const std::string& name, int error) {
     struct stat is {};
     if (error == 0 && is_name(name, max_file_name) && ::fstatat(folder, name.c_str(), &is, AT_SYMLINK_NOFOLLOW) != 0)
         error = errno;
-    if (error == ENOENT) return {404, "there is no recording " + name + there_is(folder, name)};
-    if (error == 0 || error == EINVAL || error == ELOOP) return {403, name + std::string{left_alone}};
-    return {error == EACCES || error == EPERM ? 403u : 503u, error_text(name, error)};
+    if (error == ENOENT) return {404, {"other", "there is no recording " + name + there_is(folder, name)}};
+    if (error == 0 || error == EINVAL || error == ELOOP) return {403, {"other", name + std::string{left_alone}}};
+    return {error == EACCES || error == EPERM ? 403u : 503u, error_fault(name, error)};
 }
 
 Refusal refusal_of_folder(const std::string& folder, int error) {
-    if (error == ENOENT) return {404, "there is no recording yet"};
-    return {503, error_text(folder, error)};
+    if (error == ENOENT) return {404, {"other", "there is no recording yet"}};
+    return {503, error_fault(folder, error)};
 }
 
 /// Removes the file that was checked, but not another one that was given its name meanwhile.
 std::optional<Refusal> unlink_same(int folder, const std::string& name, const struct stat& was) {
     struct stat is {};
-    if (::fstatat(folder, name.c_str(), &is, AT_SYMLINK_NOFOLLOW) != 0) return Refusal{404, "there is no recording " + name};
-    if (is.st_dev != was.st_dev || is.st_ino != was.st_ino) return Refusal{409, name + " was replaced by another file"};
+    if (::fstatat(folder, name.c_str(), &is, AT_SYMLINK_NOFOLLOW) != 0)
+        return Refusal{404, {"other", "there is no recording " + name}};
+    if (is.st_dev != was.st_dev || is.st_ino != was.st_ino)
+        return Refusal{409, {"other", name + " was replaced by another file"}};
     if (::unlinkat(folder, name.c_str(), 0) == 0) return std::nullopt;
-    return Refusal{errno == EACCES || errno == EPERM || errno == EROFS ? 403u : 503u, error_text(name, errno)};
+    return Refusal{errno == EACCES || errno == EPERM || errno == EROFS ? 403u : 503u, error_fault(name, errno)};
 }
 
 bool append_all(int fd, std::uint64_t at, std::string_view bytes) {
@@ -312,7 +315,7 @@ FolderView view_of(const std::string& folder) {
 }
 
 std::variant<UniqueFd, Refusal> open_recording(const std::string& folder, const std::string& name) {
-    if (!is_name(name, max_file_name)) return Refusal{422, recording_name_rule(name)};
+    if (!is_name(name, max_file_name)) return Refusal{422, {"other", recording_name_rule(name)}};
     const UniqueFd at = opened_folder(folder);
     if (!at) return refusal_of_folder(folder, errno);
     auto file = open_ours(at.get(), name);
@@ -321,23 +324,23 @@ std::variant<UniqueFd, Refusal> open_recording(const std::string& folder, const 
 }
 
 std::optional<Refusal> remove_recording(const std::string& folder, const std::string& name) {
-    if (!is_name(name, max_file_name)) return Refusal{422, recording_name_rule(name)};
+    if (!is_name(name, max_file_name)) return Refusal{422, {"other", recording_name_rule(name)}};
     const UniqueFd at = opened_folder(folder);
     if (!at) return refusal_of_folder(folder, errno);
     const auto file = open_ours(at.get(), name);
     if (!file) return refusal_of_open(at.get(), name, errno);
-    if (is_locked(file->fd.get())) return Refusal{409, name + " is still being recorded: stop it before you delete it"};
+    if (is_locked(file->fd.get())) return Refusal{409, {"still_recorded", name}};
     return unlink_same(at.get(), name, file->is);
 }
 
 std::optional<Refusal> check_new_name(const std::string& folder, const std::string& name) {
     const UniqueFd at = opened_folder(folder);
-    if (!at && errno != ENOENT) return Refusal{507, error_text(folder, errno)};
+    if (!at && errno != ENOENT) return Refusal{507, error_fault(folder, errno)};
     for (const RecordingFormat format : {RecordingFormat::pcapng, RecordingFormat::mcap}) {
         const std::string file = name + "." + std::string{text(format)};
         struct stat is {};
         if (at && ::fstatat(at.get(), file.c_str(), &is, AT_SYMLINK_NOFOLLOW) == 0)
-            return Refusal{409, file + " already exists: choose another name"};
+            return Refusal{409, {"other", file + " already exists: choose another name"}};
     }
     return std::nullopt;
 }
@@ -405,7 +408,7 @@ std::variant<SavedFrames, Refusal> save_frames(const std::string& folder, const 
                                                const std::function<void(const std::string&)>& is_saved) {
     unsigned number = 1;
     auto made = RecordingFile::create(folder, name, format, number);
-    if (const auto* fault = std::get_if<DiskFault>(&made)) return Refusal{507, fault->text};
+    if (const auto* fault = std::get_if<DiskFault>(&made)) return Refusal{507, fault->fault};
     RecordingFile& file = std::get<RecordingFile>(made);
     std::string fault;
     try {
@@ -419,7 +422,7 @@ std::variant<SavedFrames, Refusal> save_frames(const std::string& folder, const 
         return SavedFrames{saved, file.size()};
     }
     file.remove();
-    return Refusal{507, saved + " is not saved: " + fault};
+    return Refusal{507, {"system_error", saved + " is not saved", fault}};
 }
 
 }    // namespace anogate

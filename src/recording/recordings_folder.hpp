@@ -1,5 +1,6 @@
 // The folder of recordings on the disk: lists, deletes and repairs its files. All functions may block; call them in threads.
 #pragma once
+#include <ano/fault.hpp>
 #include <record/kept_recordings.hpp>
 #include <record/recording_writer.hpp>
 #include <recording/kept_frames.hpp>
@@ -42,7 +43,7 @@ struct FolderView {
     std::vector<FoundRecording> files;    // the newest first
     std::size_t others = 0;
     std::optional<std::uint64_t> free;    // bytes of the disk
-    std::string error;                    // why the folder can't be read; empty also if it does not exist yet
+    ano::Fault fault;                     // why the folder can't be read; empty also if it does not exist yet
 };
 FolderView view_of(const std::string& folder);
 /// Free bytes of the disk that contains `folder` or would contain it.
@@ -51,7 +52,7 @@ std::optional<std::uint64_t> room_for(const std::string& folder);
 /// Why an operation is refused, and the HTTP status for it.
 struct Refusal {
     unsigned status = 0;
-    std::string words;
+    ano::Fault fault;
 };
 /// Opens a recording for reading.
 std::variant<UniqueFd, Refusal> open_recording(const std::string& folder, const std::string& name);

@@ -13,8 +13,8 @@ struct Recordings::Running {
     TimePoint began_at{};
     std::unique_ptr<Recorder> recorder{};
     std::uint64_t logged_files = 0;
-    TimePoint file_began_at{};     // the current file
-    std::string logged_error{};    // the last error that was logged, without its numbers
+    TimePoint file_began_at{};          // the current file
+    std::string_view logged_fault{};    // the id of the last fault that was logged
     bool is_ending = false;
     std::vector<std::function<void(http::Response)>> begun{}, ended{};    // called at its begin, at its end
 };

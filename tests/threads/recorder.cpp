@@ -78,7 +78,7 @@ protected:
 
     Recorder& start() {
         recorder = std::make_unique<Recorder>(gateway.gateway(), watch, settings, [this] { ++changes; });
-        EXPECT_TRUE(gateway.until([&] { return !recorder->report().file.empty() || !recorder->report().error.empty(); }));
+        EXPECT_TRUE(gateway.until([&] { return !recorder->report().file.empty() || !recorder->report().fault.empty(); }));
         return *recorder;
     }
     /// Sends frames, several with each datagram.
@@ -98,10 +98,10 @@ protected:
         return gateway.until([&] { return recorder->report().frames == static_cast<std::uint64_t>(frames); });
     }
     bool until_error(const std::string& text, ano::Duration limit = support::patience) {
-        return gateway.until([&] { return recorder->report().error.find(text) != std::string::npos; }, limit);
+        return gateway.until([&] { return recorder->report().fault.text().find(text) != std::string::npos; }, limit);
     }
     bool until_well() {
-        return gateway.until([&] { return recorder->report().error.empty(); });
+        return gateway.until([&] { return recorder->report().fault.empty(); });
     }
     support::RecordedFiles files() const { return support::recorded_files(settings.folder, settings.name); }
 
@@ -136,7 +136,7 @@ TEST_F(RecorderOfGateway, writes_all_frames_received_until_it_is_ended) {
     EXPECT_EQ(report.files, 1u);
     EXPECT_EQ(report.bytes, fs::file_size(report.file));
     EXPECT_EQ(report.not_written, 0u);
-    EXPECT_EQ(report.error, "");
+    EXPECT_EQ(report.fault.text(), "");
     EXPECT_TRUE(gateway.until([&] { return changes >= 2; })) << "a file began, and all is ended";
 }
 
@@ -252,7 +252,7 @@ TEST_F(RecorderOfGateway, a_disk_that_is_too_slow_is_reported_and_missing_frames
     const int changes_before = changes;
     while (recorder->report().not_written == 0 && sent < 60'000) send(300, true);
     const auto begin = ano::Clock::now();
-    ASSERT_TRUE(until_error("the disk is too slow; frames are being lost", 5s)) << recorder->report().error;
+    ASSERT_TRUE(until_error("the disk is too slow; frames are being lost", 5s)) << recorder->report().fault.text();
     EXPECT_LT(ano::Clock::now() - begin, 2s);
     EXPECT_TRUE(recorder->report().is_slow && recorder->report().loses);
     EXPECT_TRUE(gateway.until([&] { return changes > changes_before; }));
@@ -263,7 +263,7 @@ TEST_F(RecorderOfGateway, a_disk_that_is_too_slow_is_reported_and_missing_frames
     recorder->end();
     ASSERT_TRUE(until_ended());
     const RecorderReport report = recorder->report();
-    EXPECT_EQ(report.error, "");
+    EXPECT_EQ(report.fault.text(), "");
     EXPECT_GT(report.not_written, 0u);
     EXPECT_EQ(report.frames + report.not_written, static_cast<std::uint64_t>(sent));
     const auto written = files();
@@ -276,8 +276,8 @@ TEST_F(RecorderOfGateway, a_disk_a_second_late_is_reported_before_a_frame_is_los
     start();
     failing_disk.slowness = 600;    // less than the time after which a disk is reported as hanging
     const auto begin = ano::Clock::now();
-    while (recorder->report().error.empty() && ano::Clock::now() - begin < 20s) send(3);
-    EXPECT_EQ(recorder->report().error, "the disk is too slow; frames are waiting");
+    while (recorder->report().fault.empty() && ano::Clock::now() - begin < 20s) send(3);
+    EXPECT_EQ(recorder->report().fault.text(), "the disk is too slow; frames are waiting");
     EXPECT_TRUE(recorder->report().is_slow);
     EXPECT_FALSE(recorder->report().loses);
     EXPECT_GT(recorder->report().waiting, 0u);
@@ -292,7 +292,7 @@ TEST_F(RecorderOfGateway, a_disk_a_second_late_is_reported_before_a_frame_is_los
 TEST_F(RecorderOfGateway, a_refused_recording_leaves_no_file_even_if_the_disk_works_again) {
     dir.write("recordings", "a file where the folder belongs");
     start();
-    ASSERT_NE(recorder->report().error, "");
+    ASSERT_NE(recorder->report().fault.text(), "");
     fs::remove(dir / "recordings");
     recorder->refuse();
     ASSERT_TRUE(until_ended());
@@ -342,7 +342,7 @@ TEST_F(RecorderOfGateway, a_full_disk_is_reported_and_waiting_frames_are_written
     }
     const auto begin = ano::Clock::now();
     const int changes_before = changes;
-    while (recorder->report().error.empty() && ano::Clock::now() - begin < 10s) send(30);
+    while (recorder->report().fault.empty() && ano::Clock::now() - begin < 10s) send(30);
     EXPECT_TRUE(until_error("flight.pcapng: No space left on device"));
     EXPECT_TRUE(gateway.until([&] { return changes > changes_before; }));
     EXPECT_FALSE(files().numbers.empty());
@@ -366,7 +366,7 @@ TEST_F(RecorderOfGateway, a_lack_of_memory_is_reported_and_waiting_frames_are_wr
     ASSERT_TRUE(until_written(100));
     failing_disk.lacks_memory = true;
     send(100);
-    ASSERT_TRUE(until_error("out of memory")) << recorder->report().error;
+    ASSERT_TRUE(until_error("out of memory")) << recorder->report().fault.text();
     failing_disk.lacks_memory = false;
     ASSERT_TRUE(until_well());
     recorder->end();
@@ -381,9 +381,9 @@ TEST_F(RecorderOfGateway, keeps_some_of_the_disk_free) {
     if (!disk.why_not().empty()) GTEST_SKIP() << disk.why_not();
     settings.keep_free = 8'000'000;
     start();
-    while (recorder->report().error.empty() && sent < 20'000) send(300, true);
+    while (recorder->report().fault.empty() && sent < 20'000) send(300, true);
     EXPECT_TRUE(until_error("of disk space is free, and recording needs 13.2 MB: "));
-    const std::string error = recorder->report().error;
+    const std::string error = recorder->report().fault.text();
     send(3000, true);
     recorder->end();
     ASSERT_TRUE(until_ended());
@@ -399,7 +399,7 @@ TEST_F(RecorderOfGateway, a_read_only_disk_is_reported_and_retried) {
     const support::SmallDisk disk{settings.folder, "1m"};
     if (!disk.why_not().empty() || !disk.read_only(true)) GTEST_SKIP() << disk.why_not();
     start();
-    EXPECT_EQ(recorder->report().error, settings.folder + "/flight.pcapng: Read-only file system");
+    EXPECT_EQ(recorder->report().fault.text(), settings.folder + "/flight.pcapng: Read-only file system");
     send(60);
     ASSERT_TRUE(disk.read_only(false));
     ASSERT_TRUE(until_well());
@@ -426,7 +426,7 @@ TEST_F(RecorderOfGateway, a_folder_that_is_removed_is_made_again_for_the_next_fi
 TEST_F(RecorderOfGateway, frames_that_waited_during_a_fault_do_not_count_as_a_sign_of_a_slow_disk) {
     std::ofstream{settings.folder} << "no folder";
     start();
-    ASSERT_NE(recorder->report().error, "");
+    ASSERT_NE(recorder->report().fault.text(), "");
     const auto send_for = [&](ano::Duration time, const auto& look) {
         for (const auto end = ano::Clock::now() + time; ano::Clock::now() < end;) {
             ASSERT_NO_FATAL_FAILURE(send(3));
@@ -437,7 +437,7 @@ TEST_F(RecorderOfGateway, frames_that_waited_during_a_fault_do_not_count_as_a_si
     ASSERT_NO_FATAL_FAILURE(send_for(1500ms, [] {}));
     fs::remove(settings.folder);
     ASSERT_NO_FATAL_FAILURE(send_for(2s, [&] { ASSERT_FALSE(recorder->report().is_slow); }));
-    EXPECT_EQ(recorder->report().error, "");
+    EXPECT_EQ(recorder->report().fault.text(), "");
     recorder->end();
     ASSERT_TRUE(until_ended());
     EXPECT_EQ(files().numbers, support::numbers_to(sent));

@@ -75,7 +75,7 @@ TEST_F(DiskWriters, writes_the_frames_with_their_names_and_finishes_the_file) {
     append(*batch, {10, 7, 0, Direction::dropped, 1, FrameRecord::no_channel, ano::FrameView{bytes}});
     disk().add({.batch = batch});
     finish();
-    EXPECT_EQ(disk().error(), "");
+    EXPECT_EQ(disk().fault().text(), "");
     const auto written = files();
     ASSERT_EQ(written.files.size(), 1u);
     EXPECT_TRUE(written.are_whole());
@@ -137,7 +137,7 @@ TEST_F(DiskWriters, existing_files_are_never_overwritten) {
 TEST_F(DiskWriters, a_file_name_cannot_leave_its_folder) {
     settings.name = "../flight";
     turn();
-    EXPECT_NE(disk().error().find("is not a valid file name"), std::string::npos) << disk().error();
+    EXPECT_NE(disk().fault().text().find("is not a valid file name"), std::string::npos) << disk().fault().text();
     EXPECT_FALSE(fs::exists(dir / "a/flight.pcapng"));
 }
 
@@ -225,14 +225,14 @@ TEST_F(DiskWriters, on_a_full_disk_the_file_stays_complete_and_continues_when_th
     failing_disk.room = 100;
     add(10);
     turn(1ms);
-    EXPECT_EQ(disk().error(), path("flight.pcapng") + ": No space left on device");
+    EXPECT_EQ(disk().fault().text(), path("flight.pcapng") + ": No space left on device");
     EXPECT_FALSE(disk().accepts_more());
     EXPECT_EQ(fs::file_size(path("flight.pcapng")), size) << "no half frame";
     failing_disk.write_error = 0;
     turn(DiskWriter::try_again_after - 1ms);
-    EXPECT_NE(disk().error(), "") << "it is not asked all the time";
+    EXPECT_NE(disk().fault().text(), "") << "it is not asked all the time";
     turn(1ms);
-    EXPECT_EQ(disk().error(), "");
+    EXPECT_EQ(disk().fault().text(), "");
     add(10);
     finish();
     EXPECT_EQ(files().numbers, support::numbers_to(30));
@@ -248,7 +248,7 @@ TEST_F(DiskWriters, frames_that_a_full_disk_does_not_accept_at_the_end_are_count
     failing_disk.write_error = ENOSPC;
     add(7);
     finish();
-    EXPECT_NE(disk().error(), "");
+    EXPECT_NE(disk().fault().text(), "");
     EXPECT_EQ(progress.frames, 10u);
     EXPECT_EQ(progress.not_written, 7u);
     EXPECT_EQ(files().numbers, support::numbers_to(10));
@@ -264,13 +264,13 @@ TEST_F(DiskWriters, a_file_that_cannot_be_synced_is_abandoned_and_no_frame_is_wr
     failing_disk.sync_error = EIO;
     add(10);
     turn(DiskWriter::sync_time);
-    EXPECT_EQ(disk().error(), path("flight-2.pcapng") + ": Input/output error");
+    EXPECT_EQ(disk().fault().text(), path("flight-2.pcapng") + ": Input/output error");
     EXPECT_EQ(files().numbers, support::numbers_to(10)) << "what is there for sure";
     EXPECT_EQ(files().files.size(), 1u) << "no file without anything in it";
     EXPECT_EQ(progress.frames, 20u) << "it does not go back";
     failing_disk.sync_error = 0;
     turn(DiskWriter::try_again_after);
-    EXPECT_EQ(disk().error(), "");
+    EXPECT_EQ(disk().fault().text(), "");
     add(10);
     finish();
     EXPECT_EQ(files().numbers, support::numbers_to(40));
@@ -343,14 +343,14 @@ TEST_F(DiskWriters, frames_not_written_for_lack_of_memory_are_in_the_next_file) 
     add(10);
     EXPECT_THROW(turn(), std::bad_alloc);
     disk().lacks_memory(now);
-    EXPECT_EQ(disk().error(), "out of memory");
+    EXPECT_EQ(disk().fault().text(), "out of memory");
     EXPECT_FALSE(disk().accepts_more());
     EXPECT_EQ(files().numbers, support::numbers_to(10)) << "what is there for sure";
     failing_disk.lacks_memory = false;
     turn(DiskWriter::try_again_after - 1ms);
-    EXPECT_EQ(disk().error(), "out of memory");
+    EXPECT_EQ(disk().fault().text(), "out of memory");
     turn(1ms);
-    EXPECT_EQ(disk().error(), "");
+    EXPECT_EQ(disk().fault().text(), "");
     add(10);
     finish();
     EXPECT_EQ(files().numbers, support::numbers_to(30));
@@ -381,7 +381,7 @@ TEST_F(DiskWriters, after_a_file_was_removed_the_next_contains_the_frames_not_ye
     turn(1ms);
     turn(DiskWriter::look_time);
     EXPECT_EQ(disk().file(), path("flight-2.pcapng"));
-    EXPECT_EQ(disk().error(), "");
+    EXPECT_EQ(disk().fault().text(), "");
     finish();
     const auto second = support::read_pcapng(support::file_text(path("flight-2.pcapng")));
     ASSERT_EQ(second.items.size(), 10u);
@@ -413,11 +413,11 @@ TEST_F(DiskWriters, the_frame_count_does_not_decrease_when_a_file_is_abandoned) 
     fs::remove_all(settings.folder);
     std::ofstream{settings.folder} << "no folder";
     turn(DiskWriter::look_time);
-    ASSERT_NE(disk().error(), "");
+    ASSERT_NE(disk().fault().text(), "");
     EXPECT_EQ(progress.frames, 20u);
     fs::remove(settings.folder);
     turn(DiskWriter::try_again_after);
-    ASSERT_EQ(disk().error(), "");
+    ASSERT_EQ(disk().fault().text(), "");
     EXPECT_EQ(progress.frames, 20u) << "none counts twice";
     add(5);
     finish();
@@ -431,7 +431,7 @@ TEST_F(DiskWriters, a_folder_that_was_removed_is_created_again) {
     fs::remove_all(dir / "a");
     add(10);
     turn(DiskWriter::look_time);
-    EXPECT_EQ(disk().error(), "");
+    EXPECT_EQ(disk().fault().text(), "");
     finish();
     EXPECT_EQ(support::read_pcapng(support::file_text(path("flight-2.pcapng"))).items.size(), 10u);
 }
@@ -439,29 +439,29 @@ TEST_F(DiskWriters, a_folder_that_was_removed_is_created_again) {
 TEST_F(DiskWriters, creating_a_file_is_retried_after_a_failure) {
     dir.write("a", "a file in the place of the folder");
     turn();
-    EXPECT_EQ(disk().error(), settings.folder + ": Not a directory");
+    EXPECT_EQ(disk().fault().text(), settings.folder + ": Not a directory");
     EXPECT_FALSE(disk().accepts_more());
     fs::remove(dir / "a");
     turn(DiskWriter::try_again_after);
-    EXPECT_EQ(disk().error(), "");
+    EXPECT_EQ(disk().fault().text(), "");
     EXPECT_TRUE(disk().accepts_more());
 }
 
 TEST_F(DiskWriters, reserved_free_space_is_not_written) {
     settings.keep_free = std::uint64_t{1} << 60;
     turn();
-    EXPECT_NE(disk().error().find("of disk space is free, and recording needs 1152921504612.1 MB"), std::string::npos)
-        << disk().error();
+    EXPECT_NE(disk().fault().text().find("of disk space is free, and recording needs 1152921504612.1 MB"), std::string::npos)
+        << disk().fault().text();
     EXPECT_FALSE(fs::exists(settings.folder));
     settings.keep_free = 1000;
     turn(DiskWriter::try_again_after);
-    EXPECT_EQ(disk().error(), "");
+    EXPECT_EQ(disk().fault().text(), "");
     add(10);
     turn();
     settings.keep_free = std::uint64_t{1} << 60;
     add(10);
     turn(DiskWriter::look_time);
-    EXPECT_NE(disk().error(), "") << "looked at while it writes, too";
+    EXPECT_NE(disk().fault().text(), "") << "looked at while it writes, too";
     EXPECT_EQ(files().numbers, support::numbers_to(10));
     settings.keep_free = 1000;
     turn(DiskWriter::try_again_after);
@@ -509,7 +509,7 @@ TEST_F(DiskWriters, write_many_files_on_a_disk_that_limits_the_file_size) {
     for (int i = 0; i < 50; ++i) {
         add(20);
         turn(DiskWriter::sync_time);
-        ASSERT_EQ(disk().error(), "");
+        ASSERT_EQ(disk().fault().text(), "");
     }
     finish();
     EXPECT_EQ(files().numbers, support::numbers_to(1000));

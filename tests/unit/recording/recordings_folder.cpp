@@ -70,7 +70,7 @@ TEST_F(RecordingsFolder, suggests_a_similar_name_for_one_that_does_not_exist) {
     dir.write("notes", "x");
     const auto words = [&](const std::string& name) {
         const auto refusal = remove_recording(folder, name);
-        return refusal ? std::to_string(refusal->status) + " " + refusal->words : std::string{};
+        return refusal ? std::to_string(refusal->status) + " " + refusal->fault.text() : std::string{};
     };
     EXPECT_EQ(words("flight"), "404 there is no recording flight; there is flight.pcapng");
     EXPECT_EQ(words("flight.mcap"), "404 there is no recording flight.mcap; there is flight.pcapng");
@@ -98,7 +98,7 @@ TEST_F(RecordingsFolder, lists_files_that_the_gateway_wrote_and_only_counts_the_
     EXPECT_EQ(names(), (std::vector<std::string>{"cut.pcapng", "flight.pcapng"}));
     const FolderView view = view_of(folder);
     EXPECT_EQ(view.others, 6u);
-    EXPECT_EQ(view.error, "");
+    EXPECT_EQ(view.fault.text(), "");
     EXPECT_TRUE(view.free.has_value());
     for (const FoundRecording& file : view.files) {
         EXPECT_EQ(file.state, file.name == "flight.pcapng" ? State::ended : State::unfinished);
@@ -137,7 +137,7 @@ TEST_F(RecordingsFolder, reports_the_number_of_frames_of_a_finished_mcap_file) {
 TEST_F(RecordingsFolder, that_does_not_exist_yet_is_empty) {
     const FolderView view = view_of(dir / "not/yet");
     EXPECT_TRUE(view.files.empty());
-    EXPECT_EQ(view.error, "");
+    EXPECT_EQ(view.fault.text(), "");
     EXPECT_TRUE(view.free.has_value()) << "of the disk where it will be";
     EXPECT_TRUE(repair_recordings(dir / "not/yet").empty());
     EXPECT_EQ(status_of(remove_recording(dir / "not/yet", "a.pcapng")), 404u);
@@ -351,7 +351,7 @@ KeptFrames kept_frames(std::size_t frames) {
 
 TEST_F(RecordingsFolder, saves_frames_from_memory_unchanged) {
     const auto saved = save_frames(dir / "new/folder", "last", RecordingFormat::pcapng, 0, kept_frames(3000));
-    ASSERT_TRUE(std::holds_alternative<SavedFrames>(saved)) << std::get<Refusal>(saved).words;
+    ASSERT_TRUE(std::holds_alternative<SavedFrames>(saved)) << std::get<Refusal>(saved).fault.text();
     EXPECT_EQ(std::get<SavedFrames>(saved).name, "last.pcapng");
     struct stat is {};
     ASSERT_EQ(::stat((dir / "new/folder/last.pcapng").c_str(), &is), 0);
@@ -376,9 +376,10 @@ TEST_F(RecordingsFolder, saves_nothing_if_too_little_space_is_free) {
     EXPECT_EQ(std::get<Refusal>(saved).status, 507u);
     const auto other = save_frames(folder, "other", RecordingFormat::pcapng, 0, kept_frames(10));
     const std::uint64_t needed = (std::uint64_t{1} << 60) + std::get<SavedFrames>(other).bytes;
-    EXPECT_NE(std::get<Refusal>(saved).words.find(" bytes of disk space are free, and " + std::to_string(needed) + " are needed"),
+    EXPECT_NE(std::get<Refusal>(saved).fault.text().find(" bytes of disk space are free, and " + std::to_string(needed) +
+                                                         " are needed"),
               std::string::npos)
-        << std::get<Refusal>(saved).words;
+        << std::get<Refusal>(saved).fault.text();
     EXPECT_FALSE(is_there("last.pcapng"));
 }
 
