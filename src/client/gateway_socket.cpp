@@ -57,10 +57,10 @@ void GatewaySocket::open() {
     request.target = target_;
     client_ = std::make_unique<http::Client>(io_, gateway_socket_path(control_));
     client_->open(std::move(request), std::make_unique<User>(*this),
-                  [this](http::Outcome outcome) { ended(std::move(outcome)); });
+                  [this](const http::Outcome& outcome) { ended(outcome); });
 }
 
-void GatewaySocket::ended(http::Outcome outcome) {
+void GatewaySocket::ended(const http::Outcome& outcome) {
     if (stopped_) return;
     retry_.expires_at(backoff_.retry_at(ano::Clock::now()));
     retry_.async_wait([this](error_code ec) {

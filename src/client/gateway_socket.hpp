@@ -38,7 +38,7 @@ public:
 private:
     class User;
     void open();
-    void ended(http::Outcome outcome);
+    void ended(const http::Outcome& outcome);
 
     asio::io_context& io_;
     std::string control_, target_;

@@ -46,11 +46,7 @@ struct Bridge::Device {
 };
 
 Bridge::Bridge(const Ros2Settings& settings, Bus& bus, BridgeOutput& output)
-    : settings_{settings},
-      output_{output},
-      context_{bus, settings},
-      prefixes_{settings},
-      decoding_{std::make_shared<const Decoding>()} {
+    : output_{output}, context_{bus, settings}, prefixes_{settings}, decoding_{std::make_shared<const Decoding>()} {
     const auto qos = [&](const char* topic) {
         const auto found = settings.qos.find(topic);
         return found == settings.qos.end() ? Reliability::reliable : found->second;

@@ -82,7 +82,6 @@ private:
     void append_status(const Device& device, ano::TimePoint now);
     void append_pair(std::string key, std::string value);
 
-    const Ros2Settings& settings_;
     BridgeOutput& output_;
     PublisherContext context_;
     Prefixes prefixes_;

@@ -50,7 +50,7 @@ public:
     static constexpr Duration listener_stays = std::chrono::hours{1};
     /// A peer in our own networks that sent a single datagram is removed after this time, because its source may be forged. A
     /// host stays, since some hosts only receive. After this time at most max_silent_of_address of them stay per address, and
-    /// max_listeners in all. Loopback addresses can't be forged.
+    /// max_listeners of those that sent within one exchange in all. Loopback addresses can't be forged.
     static constexpr Duration once_stays = std::chrono::seconds{10};
     static constexpr std::size_t max_listeners = 8;
     /// Maximum of silent hosts per address: a program that restarts has another port, and frames to the old port are lost.
@@ -78,7 +78,9 @@ public:
     /// - One that sends again, in a later exchange, replaces a silent peer, or one that did not send again and either is from an
     ///   address that keeps at least as many places as the address of the sender would have, or was silent for an exchange and is
     ///   no host that may listen.
-    /// - If its address has max_of_address places, it replaces a peer of that address.
+    /// - If its address has max_of_address places, it replaces a peer of that address: also one that is silent for once_stays, no
+    ///   host that may listen, and never commanded, such as the former port of a device that restarted. The last host of an address
+    ///   that commanded leaves only for one that commands.
     /// - Programs of this machine replace each other, but one that sent once does not replace one that sent again.
     /// - Of several, one that sent once leaves before one that sent again, and of these the longest silent.
     /// - With connections, it replaces an overdue peer, and no trusted one unless it is trusted itself.
@@ -153,6 +155,7 @@ private:
         bool has_returned() const noexcept { return last - first >= exchange; }
     };
     static constexpr std::size_t max_rejected = 1024;
+    static constexpr Duration kept_row = std::chrono::milliseconds{250};    // four frames a second hold it
 
     // A host that sent commands and lost its place.
     struct Displaced {
@@ -162,6 +165,7 @@ private:
     static constexpr std::size_t max_displaced = 64;
 
     std::size_t places_of(const IpAddress& address, Rank rank) const noexcept;
+    bool may_leave_for_party(const Peer& p, const IpAddress& address, Rank rank) const noexcept;
     bool is_same_party(const IpAddress& a, const IpAddress& b, Rank rank) const noexcept;
     bool keeps_retrying(const Endpoint& stranger, TimePoint now) noexcept;
     RejectedSender& row_of(const Endpoint& stranger) noexcept;

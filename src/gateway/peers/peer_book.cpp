@@ -20,12 +20,13 @@ PeerBook::Place PeerBook::place_for(const Endpoint& stranger, TimePoint now, Ran
     for (const ChannelId id : used_) {
         const Peer& p = peer(id);
         if (options_.has_connections && p.rank > rank && p.rank == Rank::trusted) continue;    // its address can't be forged
-        if (address_full ? !is_same_party(p.endpoint.address, address, rank) : !may_be_evicted(p, rank)) continue;
+        if (address_full ? !may_leave_for_party(p, address, rank) : !may_be_evicted(p, rank)) continue;
         const bool has_more = address_full || places_of(p.endpoint.address, rank) > of_address + 1;
         const bool sent_once = !p.has_returned && (has_more || (now - p.heard_at >= exchange && !may_listen(p)));
         const bool is_evictable = is_silent(p, now) ? again || !p.has_returned : again && sent_once;
+        const bool is_former = address_full && again && !may_listen(p) && !has_commanded(p) && now - p.heard_at >= once_stays;
         const bool is_of_us = local && p.endpoint.address.is_loopback() && (again || !p.has_returned);
-        if (!is_evictable && !is_of_us && !late.contains(id)) continue;
+        if (!is_evictable && !is_former && !is_of_us && !late.contains(id)) continue;
         if (!replaced || leaves_before(p, peer(*replaced))) replaced = id;
     }
     if (!replaced && commands && options_.kept > 0) {
@@ -33,6 +34,16 @@ PeerBook::Place PeerBook::place_for(const Endpoint& stranger, TimePoint now, Ran
         if (by_command && takes_turn(now)) replaced = by_command;
     }
     return {replaced.has_value(), replaced};
+}
+
+// A host that commanded leaves only for its own address, and the last one there not for one that does not command.
+bool PeerBook::may_leave_for_party(const Peer& p, const IpAddress& address, Rank rank) const noexcept {
+    if (!is_same_party(p.endpoint.address, address, rank)) return false;
+    if (p.rank <= rank) return true;
+    const auto commands_here = [&](ChannelId id) { return peer(id).rank > rank && peer(id).endpoint.address == address; };
+    std::size_t commanding = 0;
+    for (const ChannelId id : used_) commanding += commands_here(id);
+    return p.endpoint.address == address && commanding > 1;
 }
 
 // One that sent once leaves before one that sent again, and of these the longest silent.
@@ -131,11 +142,12 @@ bool PeerBook::is_same_party(const IpAddress& a, const IpAddress& b, Rank rank) 
 }
 
 // Senders of single datagrams replace each other. One that sends again keeps its row for twice the time that it has been sending,
-// at most for an exchange: two datagrams in quick succession keep it only briefly.
+// at least for `kept_row` and at most for an exchange: two datagrams in quick succession keep it only briefly, and two senders of one
+// row don't take it from each other.
 bool PeerBook::keeps_retrying(const Endpoint& stranger, TimePoint now) noexcept {
     RejectedSender& row = row_of(stranger);
     const bool is_known = row.endpoint == stranger;
-    if (!is_known && now - row.last < std::min(exchange, 2 * (row.last - row.first))) return false;
+    if (!is_known && now - row.last < std::clamp<Duration>(2 * (row.last - row.first), kept_row, exchange)) return false;
     if (!is_known || now - row.last >= options_.timeout) row = {stranger, now, now};
     row.last = now;
     return row.has_returned();
@@ -234,15 +246,14 @@ bool PeerBook::exceeds_address(ChannelId id, TimePoint now) const noexcept {
     return later >= max_silent_of_address;
 }
 
-// Whether max_listeners others that sent a single datagram only receive, and sent it earlier. A new one must not replace existing
-// ones.
+// Whether max_listeners others that sent in one exchange only receive, and sent earlier. A new one must not replace existing ones.
 bool PeerBook::exceeds_listeners(ChannelId id, TimePoint now) const noexcept {
     const Peer& p = peer(id);
-    if (!p.once || p.endpoint.address.is_loopback()) return false;
+    if (p.has_returned || p.endpoint.address.is_loopback()) return false;
     std::size_t earlier = 0;
     for (const ChannelId other : used_) {
         const Peer& o = peer(other);
-        if (!o.once || o.endpoint.address.is_loopback() || !listens(o, now) || exceeds_address(other, now)) continue;
+        if (o.has_returned || o.endpoint.address.is_loopback() || !listens(o, now) || exceeds_address(other, now)) continue;
         if (o.heard_at < p.heard_at || (o.heard_at == p.heard_at && index(other) < index(id))) ++earlier;
     }
     return earlier >= max_listeners;
@@ -250,7 +261,8 @@ bool PeerBook::exceeds_listeners(ChannelId id, TimePoint now) const noexcept {
 
 Duration PeerBook::patience(const Peer& p) const noexcept {
     const bool is_checked = p.near || options_.has_connections;
-    const bool leaves_early = p.once && is_checked && !(may_listen(p) && p.endpoint.address.is_loopback());
+    const bool is_brief = may_listen(p) ? !p.has_returned : p.once;
+    const bool leaves_early = is_brief && is_checked && !(may_listen(p) && p.endpoint.address.is_loopback());
     return leaves_early ? std::min(once_stays, options_.timeout) : options_.timeout;
 }
 

@@ -65,8 +65,8 @@ TEST(PeerBook, a_host_of_our_networks_that_only_listens_stays_an_hour) {
         Book book;
         book.join(a, phone, source, start);
         EXPECT_TRUE(book.overdue(start + 61s).empty());
-        EXPECT_EQ(book.next_look(start), start + 60s) << "whether it is one of the latest two";
-        EXPECT_EQ(book.next_look(start + 60s), start + 1h);
+        EXPECT_EQ(book.next_look(start), start + 10s) << "whether it is one of the latest two";
+        EXPECT_EQ(book.next_look(start + 10s), start + 1h);
         EXPECT_TRUE(book.overdue(start + 1h - 1ns).empty());
         EXPECT_EQ(book.overdue(start + 1h), ChannelSet{a});
     }
@@ -99,11 +99,11 @@ TEST(PeerBook, the_two_latest_silent_hosts_of_an_address_stay) {
     book.join(b, phone_again, host, start + 1s);
     book.join(c, phone_anew, host, start + 2s);
     book.join(d, laptop, host, start);
-    EXPECT_TRUE(book.overdue(start + 61s).empty()) << "the third is not silent yet";
-    EXPECT_EQ(book.next_look(start + 61s), start + 62s);
-    EXPECT_EQ(book.overdue(start + 62s), ChannelSet{a}) << "and another address has places of its own";
-    book.heard(a, host, start + 62s);
-    EXPECT_TRUE(book.overdue(start + 62s).empty()) << "it was heard, and is silent no more";
+    EXPECT_TRUE(book.overdue(start + 11s).empty()) << "the third is not silent yet";
+    EXPECT_EQ(book.next_look(start + 11s), start + 12s);
+    EXPECT_EQ(book.overdue(start + 12s), ChannelSet{a}) << "and another address has places of its own";
+    book.heard(a, host, start + 12s);
+    EXPECT_TRUE(book.overdue(start + 12s).empty()) << "it was heard, and is silent no more";
     book.remove(b);
     EXPECT_TRUE(book.overdue(start + 10min).empty());
 }
@@ -509,20 +509,27 @@ TEST(PeerBook, on_this_machine_too_a_new_sender_does_not_displace_one_that_sent_
 
 // A device that sends repeatedly, among strangers that send one datagram each.
 struct Flood {
-    Book book{PeerBook::Options{60s, 16, 4, 4, 2}};
+    explicit Flood(const PeerBook::Options& options = {60s, 16, 4, 4, 2}) : book{options} {}
+
+    Book book;
+    bool book_waits = false;    // with connections, overdue peers leave only when their places are needed
     std::array<Endpoint, 16> who{};
 
     bool has_place(const Endpoint& one) const { return std::find(who.begin(), who.end(), one) != who.end(); }
-    void sends(const Endpoint& from, TimePoint now) {
-        for (const ChannelId id : book.overdue(now)) leave(id);
+    void sends(const Endpoint& from, TimePoint now, PeerBook::Rank rank = PeerBook::Rank::ordinary) {
+        const std::uint8_t source = rank == PeerBook::Rank::commands ? host : device;
+        if (!book_waits)
+            for (const ChannelId id : book.overdue(now)) leave(id);
         const auto found = std::find(who.begin(), who.end(), from);
-        if (found != who.end()) return book.heard(static_cast<ChannelId>(found - who.begin()), device, now);
-        const auto place = book.place_for(from, now);
+        if (found != who.end()) return book.heard(static_cast<ChannelId>(found - who.begin()), source, now);
+        const auto place = book.place_for(from, now, rank);
         if (!place.free) return;
         if (place.evicted) leave(*place.evicted);
         const auto unused = std::find(who.begin(), who.end(), Endpoint{});
         *unused = from;
-        book.join_once(static_cast<ChannelId>(unused - who.begin()), from, device, now);
+        const auto id = static_cast<ChannelId>(unused - who.begin());
+        book.join_once(id, from, source, now, rank);
+        if (rank == PeerBook::Rank::commands) book.commanded(id, now);
     }
     void leave(ChannelId id) {
         book.remove(id);
@@ -578,6 +585,62 @@ TEST(PeerBook, a_device_gets_its_place_for_good_within_seconds_however_many_stra
                         << is_local << " every " << period / 1ms << " ms, pairs " << apart / 1us << " us apart, "
                         << pairs_per_second << "/s";
                 }
+}
+
+TEST(PeerBook, senders_of_one_address_that_alternate_do_not_keep_each_other_from_their_places) {
+    const auto port = [](std::uint16_t number) { return Endpoint{IpAddress::v4(10, 0, 0, 9), number}; };
+    for (const Duration period : {Duration{1s} / 4, Duration{1s} / 7, Duration{1s} / 10}) {
+        Flood flood{{60s, 16, 4, 2, 0}};
+        for (const auto& old : {port(1), port(3), port(5)}) {
+            flood.sends(old, start - 30s);
+            flood.sends(old, start - 30s + 200ms);
+        }
+        const std::array late{port(5001), port(5003)};
+        for (TimePoint now = start; now < start + 10s; now += period) {
+            flood.sends(late[0], now);
+            flood.sends(late[1], now + period / 2);
+        }
+        for (const Endpoint& one : late) EXPECT_TRUE(flood.has_place(one)) << period / 1ms << " ms";
+    }
+}
+
+TEST(PeerBook, a_device_that_restarts_with_new_ports_waits_for_no_place) {
+    Flood flood{{60s, 16, 4, 2, 0}};
+    const auto port = [](int n) { return Endpoint{IpAddress::v4(10, 0, 0, 9), static_cast<std::uint16_t>(5000 + 7 * n)}; };
+    for (int n = 0; n < 12; ++n) {
+        const TimePoint began = start + n * 6s;
+        for (TimePoint now = began; now < began + 5s; now += 100ms) flood.sends(port(n), now);
+        EXPECT_TRUE(flood.has_place(port(n))) << "start " << n;
+    }
+}
+
+TEST(PeerBook, a_quiet_host_that_commanded_leaves_neither_for_strangers_of_its_network_nor_of_its_address) {
+    for (const bool connections : {true, false}) {
+        PeerBook::Options options{60s, 16, 4, 2, 0};
+        options.has_connections = connections;
+        Flood flood{options};
+        flood.book_waits = connections;
+        const Endpoint station = at("[fd00::10]:5000");
+        flood.sends(station, start, PeerBook::Rank::commands);
+        flood.sends(station, start + 1200ms, PeerBook::Rank::commands);
+        for (TimePoint now = start + 2s; now < start + 120s; now += 200ms)
+            for (std::uint16_t n = 0; n < 6; ++n) {
+                Endpoint one = n % 2 == 0 ? station : at("[fd00::20]:1");
+                one.port = static_cast<std::uint16_t>(6000 + n);
+                flood.sends(one, now);
+            }
+        EXPECT_TRUE(flood.has_place(station)) << connections;
+    }
+}
+
+TEST(PeerBook, hosts_that_sent_twice_in_a_moment_may_listen_as_those_that_sent_once) {
+    Book book{60s, 64};
+    for (std::uint8_t n = 0; n < 12; ++n) {
+        const Endpoint one{IpAddress::v4(192, 168, 1, n), 5000};
+        book.add(ChannelId{n}, one, true, start);
+        book.heard(ChannelId{n}, host, start + 100ms);
+    }
+    EXPECT_EQ(book.overdue(start + 11s).size(), 4u) << "eight in all";
 }
 
 TEST(PeerBook, several_devices_and_a_quiet_ground_station_keep_their_places_among_strangers_that_send_once) {
