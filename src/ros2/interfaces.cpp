@@ -20,12 +20,13 @@ constexpr auto settle_time = std::chrono::milliseconds{200};    // several chang
 }    // namespace
 
 std::set<InterfaceAddress> interface_addresses(const std::vector<std::string>& names) {
+    constexpr unsigned carrier = IFF_UP | IFF_RUNNING;    // a DDS library leaves out the others, and never looks again
     ifaddrs* first = nullptr;
     std::set<InterfaceAddress> addresses;
     if (::getifaddrs(&first) != 0) return addresses;
     const std::unique_ptr<ifaddrs, void (*)(ifaddrs*)> list{first, ::freeifaddrs};
     for (const ifaddrs* one = list.get(); one != nullptr; one = one->ifa_next) {
-        if (one->ifa_addr == nullptr || one->ifa_addr->sa_family != AF_INET || (one->ifa_flags & IFF_UP) == 0) continue;
+        if (one->ifa_addr == nullptr || one->ifa_addr->sa_family != AF_INET || (one->ifa_flags & carrier) != carrier) continue;
         if (!names.empty() && std::find(names.begin(), names.end(), one->ifa_name) == names.end()) continue;
         char text[INET_ADDRSTRLEN] = {};
         const void* const address = &reinterpret_cast<const sockaddr_in*>(one->ifa_addr)->sin_addr;

@@ -15,7 +15,7 @@ namespace anogate {
 /// An address, with the number of its interface: an interface that was removed and added again has another one.
 using InterfaceAddress = std::pair<unsigned, std::string>;
 
-/// Those of interfaces that are up. `names` empty: all interfaces.
+/// Those of interfaces that are up and have a carrier. `names` empty: all interfaces.
 std::set<InterfaceAddress> interface_addresses(const std::vector<std::string>& names);
 
 /// What to do after a change. An address that is gone may return; a new one has to be announced to others.
