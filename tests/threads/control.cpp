@@ -84,10 +84,11 @@ TEST_F(ControlSocket, unknown_paths_and_methods_are_answered_with_the_right_erro
 }
 
 TEST_F(ControlSocket, the_error_for_an_unknown_path_suggests_the_nearest) {
-    EXPECT_EQ(body_of(http(socket, "GET /staus HTTP/1.0\r\n\r\n")),
-              "{\"error\": \"this path does not exist (did you mean '/status'?)\", \"what\": \"unknown\"}\n");
-    EXPECT_EQ(body_of(http(socket, "GET /abcdefghijkl HTTP/1.0\r\n\r\n")),
-              "{\"error\": \"this path does not exist; try /\", \"what\": \"unknown\"}\n");
+    const auto error = [&](const std::string& path) {
+        return nlohmann::json::parse(body_of(http(socket, "GET " + path + " HTTP/1.0\r\n\r\n"))).value("error", "");
+    };
+    EXPECT_EQ(error("/staus"), "this path does not exist (did you mean '/status'?)");
+    EXPECT_EQ(error("/abcdefghijkl"), "this path does not exist; try /");
 }
 
 TEST_F(ControlSocket, invalid_data_is_answered_with_an_error_and_does_not_disturb_forwarding) {
