@@ -110,7 +110,7 @@ void TcpSession::give_up_if_silent() {
         return give_up_.set(context_.host.now() + std::min(longest - age, between_looks()));
     }
     if (waits_for_reader(fd())) return give_up_.set(context_.host.now() + std::max<Duration>(longest, look_again));
-    gave_up_after_ = longest;
+    gave_up_after_ = age;
     abort_connection(fd());
     failed(ETIMEDOUT);
 }
