@@ -14,26 +14,36 @@
 
 namespace anogate {
 
-/// Frames that were sent a short time ago, each as often as it was sent. No allocation after construction.
+/// Frames that were sent a short time ago, each as often as it was sent: those that may still return, and of them those that were
+/// not answered. No allocation after construction.
 class V7SentFrames {
 public:
     /// A frame that returns later is not recognised.
     static constexpr ano::Duration window = std::chrono::seconds{1};
 
     void add(std::uint64_t key, ano::TimePoint now) noexcept {
-        const std::uint8_t* const before = counts_.find(key, now);
-        counts_.put(key, static_cast<std::uint8_t>(before ? std::min(*before + 1, 255) : 1), now);
+        const Counts* const before = counts_.find(key, now);
+        counts_.put(key, before ? Counts{plus_one(before->returning), plus_one(before->unanswered)} : Counts{1, 1}, now);
     }
-    /// All equal ones.
+    /// All equal ones were answered.
     void forget(std::uint64_t key, ano::TimePoint now) noexcept {
-        if (std::uint8_t* const count = counts_.find(key, now)) *count = 0;
+        if (Counts* const counts = counts_.find(key, now)) counts->unanswered = 0;
     }
-    /// Whether it was sent; true once for each time.
+    struct Sent {
+        bool is_unanswered = false;
+        ano::Duration age{};    // of the last equal one
+    };
+    /// Whether a frame may be one that was sent, which then returns no more; each once.
+    std::optional<Sent> returned(std::uint64_t key, ano::TimePoint now) noexcept {
+        Counts* const counts = counts_.find(key, now);
+        if (!counts || counts->returning == 0) return std::nullopt;
+        --counts->returning;
+        return Sent{counts->unanswered > 0 && counts->unanswered-- > 0, now - counts_.stored_at(key)};
+    }
+    /// The same without those that were answered.
     bool take(std::uint64_t key, ano::TimePoint now) noexcept {
-        std::uint8_t* const count = counts_.find(key, now);
-        if (!count || *count == 0) return false;
-        --*count;
-        return true;
+        const auto sent = returned(key, now);
+        return sent && sent->is_unanswered;
     }
     void clear() noexcept {
         counts_.keep_if([](std::uint64_t, const auto&) { return false; });
@@ -47,7 +57,12 @@ public:
     }
 
 private:
-    ExpiringCache<std::uint8_t> counts_{window, 512};
+    struct Counts {
+        std::uint8_t returning = 0, unanswered = 0;
+    };
+    static std::uint8_t plus_one(std::uint8_t count) noexcept { return static_cast<std::uint8_t>(std::min(count + 1, 255)); }
+
+    ExpiringCache<Counts> counts_{window, 512};
 };
 
 /// For one link. A frame that asks or acts is an echo if it is equal to one that was sent: no device sends it. Telemetry of two

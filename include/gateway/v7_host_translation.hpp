@@ -29,6 +29,7 @@ public:
     void expire(ano::TimePoint now, V7Output& output) override;
     std::optional<ano::TimePoint> deadline() const noexcept override;
     void reset() noexcept override;
+    bool knows_loop() const noexcept override { return loops_ >= loops_of_hint; }
 
     /// The value of an unused parameter.
     static constexpr std::int32_t no_parameter = INT32_MIN;
@@ -46,9 +47,23 @@ private:
         bool is_of_device = false;    // a number that the device information answers
     };
 
+    /// Of equal frames, each of which may be of the host program or have been sent by a device link of this gateway.
+    struct Rounds {
+        bool has_begun = false;    // with one that was accepted
+        int count = 0;             // accepted in a row
+        int most = 10;             // then one is dropped
+        // One was dropped: if an equal one arrives until then although none was sent, the program sends them on its own.
+        ano::TimePoint goes_on_until{};
+    };
+    static constexpr ano::Duration joined_for = std::chrono::seconds{60};
+    static constexpr int loops_of_hint = 3;    // a host program may send the same as another host just did
+
     // from the host program
     /// Whether it is no frame of the host program, but one that a device link of this gateway sent: the wires are connected.
     bool is_of_own_device_link(ano::v7::FrameView frame) noexcept;
+    /// For a frame that may be one that was sent. `is_repetition`: if it is of the program, the device got the same just before.
+    bool is_round(const Rounds& rounds, bool is_repetition) noexcept;
+    void note_program(Rounds& rounds) noexcept;
     std::uint8_t host_of(std::uint8_t v7_id) const noexcept { return source_of(v7_id, ano::address::host); }
     void send_to_device(std::uint8_t v7_id, std::uint8_t id, Data data, V7Output& output) {
         send_up(host_of(v7_id), settings_.address, id, data, output);
@@ -92,9 +107,10 @@ private:
     double scale_of(std::uint16_t index, ano::Type type) const noexcept;
 
     Altitude alt_bar_;
-    struct Nothing {};
-    // Frames of the host program; for longer than one of them may wait before it is sent to the device.
-    ExpiringCache<Nothing> accepted_{std::chrono::seconds{10}, 512};
+    // For longer than a frame of the host program may wait before it is sent to the device.
+    ExpiringCache<Rounds> rounds_{std::chrono::seconds{10}, 512};
+    std::optional<ano::TimePoint> joined_at_{};       // wires are connected: a frame was dropped for it
+    int loops_ = 0;                                   // frames dropped as rounds, up to loops_of_hint
     ExpectedAcks to_host_;                            // acknowledgements of the device, of frames of the host program
     std::array<KnownType, 256> types_{};              // by index, the last ones that were asked for
     std::array<Request, max_waiting + 1> queue_{};    // a ring

@@ -206,6 +206,8 @@ public:
     std::uint64_t dropped() const noexcept { return dropped_; }
     /// The counter of the last one; nullptr: none was dropped yet.
     std::uint64_t V7Counters::*last_drop() const noexcept { return last_drop_; }
+    /// Whether frames were dropped with V7Counters::up_loop, and nothing shows that they were of somebody else. For the hint.
+    virtual bool knows_loop() const noexcept { return counters_.up_loop > 0; }
 
     /// Whether a device without knowledge of the sender would take a frame with this id for a measurement of its own. Such a frame
     /// is never sent to it.
@@ -330,6 +332,8 @@ private:
     bool is_for_device(std::uint8_t destination) const noexcept;
     /// Whether a V7 frame with this id for the device `asked` reaches no other device of the line.
     bool reaches_only(std::uint8_t asked, std::uint8_t v7_id) const noexcept;
+    /// For the links with host programs. After a different command, the one before has an effect again: it is no repetition.
+    void note_sent(ano::v7::FrameView frame) noexcept;
     /// Counts a frame that was sent by a gateway.
     bool has_returned(ano::v7::FrameView frame) noexcept;
     /// The device has received a frame that was sent to it.
@@ -400,7 +404,8 @@ private:
 
     Altitude alt_bar_, alt_fu_;
     std::optional<ano::TimePoint> last_frame_{};
-    std::array<Version, 3> versions_{};    // parameters 2, 3 and 4 of versions_of_
+    std::optional<std::uint64_t> last_command_{};    // V7SentFrames::key_of() of the last one sent
+    std::array<Version, 3> versions_{};              // parameters 2, 3 and 4 of versions_of_
     std::uint8_t versions_of_ = 0;
 
     ExpectedAcks to_host_;                            // acknowledgements of the device, of requests of hosts

@@ -102,8 +102,18 @@ void V7Translation::send_down(Data bytes, V7Output& output) {
     if (!V7EchoWatch::asks_or_acts(frame.id())) send_probe(output);
     ++counters_.down;
     echoes_.sent(frame, now_);
-    if (settings_.sent_to_devices) settings_.sent_to_devices->add(V7SentFrames::key_of(frame), now_);
+    note_sent(frame);
     output.to_device(frame);
+}
+
+void V7Translation::note_sent(v7::FrameView frame) noexcept {
+    if (!settings_.sent_to_devices) return;
+    const std::uint64_t key = V7SentFrames::key_of(frame);
+    if (frame.id() == 0xE0) {
+        if (last_command_ && *last_command_ != key) settings_.sent_to_devices->forget(*last_command_, now_);
+        last_command_ = key;
+    }
+    settings_.sent_to_devices->add(key, now_);
 }
 
 // A device that lost the header searches in the rest.

@@ -32,7 +32,6 @@ V7Edge::V7Edge(const V7LinkSettings& v7, const LinkSettings& link, const LinkCon
     : context_{context},
       calls_{std::move(calls)},
       translation_{translation_for(v7, link, context)},
-      has_program_{v7.role == V7Role::host},
       parser_{parser_options(link)},
       alarm_{context.alarms, [this] { ring(); }} {}
 
@@ -51,13 +50,13 @@ void V7Edge::translate_received() {
     }
     raw_ = {};
     if (translation_->dropped() != noted_drops_) note_drops(now);
+    if (!translation_->knows_loop()) channel_->v7.loop.reset();
 }
 
 void V7Edge::note_drops(TimePoint now) {
     const V7Counters& is = translation_->counters();
     if (is.up_echo != noted_.up_echo) channel_->v7.echo = now;
-    // A host program may send the same as another host just did.
-    if (is.up_loop != noted_.up_loop && (!has_program_ || is.up_loop >= 3)) channel_->v7.loop = now;
+    if (is.up_loop != noted_.up_loop && translation_->knows_loop()) channel_->v7.loop = now;
     if (is.up_command != noted_.up_command) channel_->v7.command = now;
     noted_ = is;
     noted_drops_ = translation_->dropped();

@@ -69,7 +69,6 @@ private:
     LinkContext context_;
     Calls calls_;
     std::unique_ptr<V7LinkTranslation> translation_;
-    bool has_program_;    // at the other end, not a device
     ano::v7::FrameParser parser_;
     Channel* channel_ = nullptr;
     Alarm alarm_;

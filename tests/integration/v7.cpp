@@ -440,9 +440,11 @@ TEST(V7Links, a_command_does_not_circulate_through_a_device_link_and_a_host_link
          "serial:" + (dir / "line") + ",pace=off,name=program,protocol=v7,v7_role=host,v7_device=0xDD", ground.link("ground")})};
     ASSERT_TRUE(gateway.until_up("device") && gateway.until_up("program") && gateway.until_up("ground"));
     constexpr unsigned sent = 4;
-    for (std::uint8_t n = 0; n < sent; ++n)
-        ASSERT_TRUE(ground.send(gateway.port("ground"), frame(host, imu, 0xC0, {0x10, 0, static_cast<std::uint8_t>(n / 2)})));
-    EXPECT_TRUE(gateway.until([&] { return gateway.link("program").at("v7_up_loop") == sent; })) << gateway.link("program");
+    for (unsigned n = 1; n <= sent; ++n) {
+        ASSERT_TRUE(
+            ground.send(gateway.port("ground"), frame(host, imu, 0xC0, {0x10, 0, n <= 2 ? std::uint8_t{1} : std::uint8_t{5}})));
+        EXPECT_TRUE(gateway.until([&] { return gateway.link("program").at("v7_up_loop") == n; })) << gateway.link("program");
+    }
     EXPECT_EQ(gateway.count("device", "frames_out"), sent);
     EXPECT_EQ(gateway.link("program")["hint_id"], "v7_loop") << gateway.link("program");
     // Telemetry for the device, too.
@@ -450,6 +452,32 @@ TEST(V7Links, a_command_does_not_circulate_through_a_device_link_and_a_host_link
     EXPECT_TRUE(gateway.until([&] { return gateway.link("program").at("v7_up_loop") == sent + 1; })) << gateway.link("program");
     gateway.run_for(300ms);
     EXPECT_EQ(gateway.count("device", "frames_out"), sent + 1);
+    EXPECT_TRUE(gateway.counters_add_up());
+}
+
+// The wire holds a frame for longer than the gateway knows what it sent.
+TEST(V7Links, a_command_that_a_connected_wire_held_does_not_circulate_without_end) {
+    SerialWire device, program;
+    UdpPeer ground;
+    RunningGateway gateway{
+        settings_of_texts({device.link() + ",name=device,protocol=v7,v7_device=0xDD",
+                           program.link() + ",name=program,protocol=v7,v7_role=host,v7_device=0xDD", ground.link("ground")})};
+    ASSERT_TRUE(gateway.until_up("device") && gateway.until_up("program") && gateway.until_up("ground"));
+    ASSERT_TRUE(ground.send(gateway.port("ground"), frame(host, imu, 0xC0, {0x10, 0, 1})));
+    Bytes held;
+    EXPECT_TRUE(gateway.until([&] { return !(held = std::move(held) + device.read()).empty(); }));
+    gateway.run_for(1300ms);
+    program.write(held);
+    const auto carry = [&] {
+        if (const Bytes on = device.read(); !on.empty()) program.write(on);
+        return gateway.link("program").at("v7_up_loop") > 0;
+    };
+    EXPECT_TRUE(gateway.until(carry)) << gateway.link("program");
+    EXPECT_EQ(gateway.link("program")["hint_id"], "v7_loop") << gateway.link("program");
+    const auto before = gateway.count("device", "frames_out");
+    gateway.run_for(300ms);
+    EXPECT_EQ(device.read(), Bytes{});
+    EXPECT_EQ(gateway.count("device", "frames_out"), before);
     EXPECT_TRUE(gateway.counters_add_up());
 }
 

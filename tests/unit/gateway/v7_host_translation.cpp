@@ -9,7 +9,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace v7_host_translation_tests {
@@ -366,35 +368,152 @@ TEST(V7HostTranslation, what_was_sent_to_the_host_program_is_neither_a_write_nor
     EXPECT_EQ(link.counted().up_echo, 2u);
 }
 
+/// A device link and a host link of one gateway. Whether their wires are connected is up to the test.
+struct BothLinks final : V7Output {
+    static V7Settings with(V7SentFrames& sent) {
+        V7Settings settings{.address = imu};
+        settings.sent_to_devices = &sent;
+        return settings;
+    }
+    void to_device(v7::FrameView f) override { sent.emplace_back(f.bytes().begin(), f.bytes().end()); }
+    void from_device(ano::FrameView) override {}
+
+    /// Another host commands the device; what is sent to it.
+    Bytes command(const Bytes& data) { return to_device_link(frame(host, imu, 0xC0, data)); }
+    /// A frame arrives at the host link; what is sent to the device then.
+    Frames arrives(const Bytes& v7) {
+        Frames all;
+        for (const Bytes& v8 : program.up(v7)) all.push_back(to_device_link(v8));
+        return all;
+    }
+    void device_acknowledges(const Bytes& v7) { device.up(v7::FrameView{v7_frame(0xAF, 0x00, check_of_v7(v7))}, now(), *this); }
+    /// The wires are connected: how many frames arrive at the host link until none is under way, at most `most`.
+    template <class Before>
+    unsigned circulate(Frames under_way, unsigned most, Before before) {
+        unsigned rounds = 0;
+        for (; !under_way.empty() && rounds < most; ++rounds) {
+            now() += 2ms;
+            const Bytes first = under_way.front();
+            under_way.erase(under_way.begin());
+            before(first);
+            for (Bytes& next : arrives(first)) under_way.push_back(std::move(next));
+        }
+        return rounds;
+    }
+    unsigned circulate(Frames under_way, unsigned most) {
+        return circulate(std::move(under_way), most, [](const Bytes&) {});
+    }
+    ano::TimePoint& now() { return program.now; }
+
+    V7SentFrames sent_to_devices;
+    V7Translation device{with(sent_to_devices)};
+    HostLink program{with(sent_to_devices)};
+    Frames sent;
+
+private:
+    Bytes to_device_link(const Bytes& v8) {
+        device.down(ano::FrameView{v8}, now(), *this);
+        return sent.back();
+    }
+};
+const Bytes unlock_in_v7 = v7_frame(0xFF, 0xE0, {0x10, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0});
+const Bytes lock_in_v7 = v7_frame(0xFF, 0xE0, {0x10, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0});
+
 // Their wires are connected with each other: each frame that the device link sends arrives at the host link.
 TEST(V7HostTranslation, a_frame_of_a_device_link_of_this_gateway_is_not_of_the_host_program) {
-    V7SentFrames sent;
-    V7Settings settings{.address = imu};
-    settings.sent_to_devices = &sent;
-    struct DeviceLink final : V7Output {
-        void to_device(v7::FrameView f) override { frames.emplace_back(f.bytes().begin(), f.bytes().end()); }
-        void from_device(ano::FrameView) override {}
-        Frames frames;
-    } at_device;
-    V7Translation device{settings};
-    HostLink link{settings};
-    const Bytes command = frame(host, imu, 0xC0, {0x10, 0, 1});
-    const auto command_device = [&] {
-        device.down(ano::FrameView{command}, link.now, at_device);
-        return at_device.frames.back();
-    };
-    for (int n = 0; n < 3; ++n) EXPECT_TRUE(link.up(command_device()).empty());
-    EXPECT_EQ(link.counted().up_loop, 3u);
-    const Bytes same = command_device();
-    device.up(v7::FrameView{v7_frame(0xAF, 0x00, check_of_v7(same))}, link.now, at_device);
-    EXPECT_EQ(link.up(same).size(), 1u) << "the device has acknowledged the other one, so this one is of the program";
-    command_device();
-    EXPECT_EQ(link.up(same).size(), 1u) << "the program repeats it";
-    link.now += 10s;
-    command_device();
-    link.now += 1s;
-    EXPECT_EQ(link.up(same).size(), 1u) << "the other one is too old";
-    EXPECT_EQ(link.counted().up_loop, 3u);
+    BothLinks links;
+    const auto& counted = links.program.counted();
+    for (int n = 0; n < 3; ++n) EXPECT_TRUE(links.arrives(links.command({0x10, 0, 1})).empty());
+    EXPECT_EQ(counted.up_loop, 3u);
+    const Bytes same = links.command({0x10, 0, 1});
+    links.device_acknowledges(same);
+    EXPECT_EQ(links.arrives(same).size(), 1u) << "the device has acknowledged the other one, so this one is of the program";
+    EXPECT_EQ(links.arrives(same).size(), 1u) << "the program repeats it";
+    links.now() += 10s;
+    links.command({0x10, 0, 1});
+    links.now() += 1s;
+    EXPECT_EQ(links.arrives(same).size(), 1u) << "the other one is too old";
+    EXPECT_EQ(counted.up_loop, 3u);
+}
+
+TEST(V7HostTranslation, no_frame_circulates_without_end_through_connected_wires) {
+    constexpr unsigned endless = 1000;
+    {
+        BothLinks links;
+        const unsigned rounds = links.circulate({unlock_in_v7}, endless);
+        EXPECT_LE(rounds, 12u) << "a program on the wire sent it";
+        EXPECT_EQ(links.program.counted().up_loop, 1u);
+        EXPECT_TRUE(links.program.translation.knows_loop());
+    }
+    {
+        BothLinks links;
+        const Bytes held = links.command({0x10, 0, 1});
+        links.now() += 1300ms;
+        EXPECT_LE(links.circulate({held, held, held}, endless), 100u) << "the wire held them";
+    }
+    {
+        BothLinks links;
+        const Bytes first = links.command({0x10, 0, 1}), second = links.command({0x10, 0, 5});
+        EXPECT_LE(links.circulate({first, second}, endless), 30u) << "two in turn";
+    }
+    {
+        BothLinks links;
+        Bytes before;
+        const unsigned rounds = links.circulate({unlock_in_v7}, endless, [&](const Bytes& v7) {
+            if (!before.empty()) links.device_acknowledges(before);
+            before = v7;
+        });
+        EXPECT_LE(rounds, 12u) << "a device on the wire acknowledges it";
+    }
+}
+
+TEST(V7HostTranslation, once_wires_are_known_to_be_connected_nothing_passes_twice_for_a_minute) {
+    BothLinks links;
+    links.circulate({unlock_in_v7}, 1000);
+    links.now() += 10s;
+    EXPECT_EQ(links.circulate({links.command({0x10, 0, 2})}, 1000), 1u) << "the emergency stop, too";
+    EXPECT_EQ(links.circulate({v7_frame(0xFF, 0x40, Bytes(20, 5))}, 1000), 2u) << "of a program on the wire";
+    links.now() += 59s;
+    EXPECT_EQ(links.circulate({lock_in_v7}, 1000), 2u);
+    links.now() += 60s;
+    EXPECT_GT(links.circulate({lock_in_v7}, 1000), 2u) << "forgotten";
+}
+
+// It sends whether or not something is sent to the device, so it is no frame that circulates.
+TEST(V7HostTranslation, a_program_that_repeats_a_frame_is_heard) {
+    BothLinks commands;
+    for (int n = 0; n < 11; ++n, commands.now() += 30ms) EXPECT_EQ(commands.arrives(lock_in_v7).size(), 1u) << n;
+    BothLinks sticks;
+    unsigned passed = 0, most_lost = 0;
+    for (unsigned n = 0, lost = 0; n < 3000; ++n, sticks.now() += 20ms) {
+        const bool passes = !sticks.arrives(v7_frame(0xFF, 0x40, Bytes(20, 5))).empty();
+        passed += passes;
+        lost = passes ? 0 : lost + 1;
+        most_lost = std::max(most_lost, lost);
+    }
+    EXPECT_GE(passed, 2960u);
+    EXPECT_LE(most_lost, 1u);
+    EXPECT_FALSE(sticks.program.translation.knows_loop());
+    BothLinks bursts;
+    for (unsigned n = 0; n < 30; ++n, bursts.now() += 20ms) {
+        Frames v8;
+        for (int twice = 0; twice < 2; ++twice)
+            for (Bytes& f : bursts.program.up(lock_in_v7)) v8.push_back(std::move(f));
+        for (const Bytes& f : v8) bursts.device.down(ano::FrameView{f}, bursts.now(), bursts);
+    }
+    EXPECT_GE(bursts.sent.size(), 56u);
+    EXPECT_FALSE(bursts.program.translation.knows_loop());
+}
+
+// Another host commanded the same a moment ago.
+TEST(V7HostTranslation, a_command_of_the_program_is_no_repetition_of_another_host_if_the_device_got_a_different_one_since) {
+    BothLinks links;
+    links.command({0x10, 0, 5});
+    links.command({0x10, 0, 1});
+    EXPECT_EQ(links.arrives(v7_frame(0xFF, 0xE0, {0x10, 0, 5, 0, 0, 0, 0, 0, 0, 0, 0})).size(), 1u);
+    links.command({0x10, 0, 2});
+    EXPECT_EQ(links.arrives(lock_in_v7).size(), 1u) << "an emergency stop is never taken for a repetition";
+    EXPECT_EQ(links.program.counted().up_loop, 0u);
 }
 
 TEST(V7HostTranslation, values_that_one_side_cannot_represent_are_refused) {
