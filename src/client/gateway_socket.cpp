@@ -56,8 +56,7 @@ void GatewaySocket::open() {
     request.method = "GET";
     request.target = target_;
     client_ = std::make_unique<http::Client>(io_, gateway_socket_path(control_));
-    client_->open(std::move(request), std::make_unique<User>(*this),
-                  [this](const http::Outcome& outcome) { ended(outcome); });
+    client_->open(std::move(request), std::make_unique<User>(*this), [this](const http::Outcome& outcome) { ended(outcome); });
 }
 
 void GatewaySocket::ended(const http::Outcome& outcome) {
