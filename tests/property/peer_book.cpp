@@ -23,8 +23,9 @@ struct Model {
         IpAddress address;
         bool near;
         bool host = false;
-        TimePoint heard;
+        TimePoint heard, first;
         bool once = true;
+        bool returned = false;               // it sent in a later exchange too
         std::vector<TimePoint> refused{};    // since it was last heard
     };
     std::map<ChannelId, Peer> peers;
@@ -33,12 +34,13 @@ struct Model {
         if (p.refused.empty()) return false;
         return p.once || (p.refused.size() >= 3 && p.refused.back() - p.refused.front() >= 5s);
     }
+    static bool is_brief(const Peer& p) { return p.near && (p.host ? !p.returned : p.once); }
     ChannelSet overdue(TimePoint now) const {
         ChannelSet result;
         std::map<std::string, std::vector<std::pair<TimePoint, ChannelId>>> listeners;    // silent ones, by address
-        std::vector<std::pair<TimePoint, ChannelId>> once;
+        std::vector<std::pair<TimePoint, ChannelId>> brief;
         for (const auto& [id, p] : peers) {
-            const Duration silent = now - p.heard, patience = p.once && p.near ? Duration{10s} : timeout;
+            const Duration silent = now - p.heard, patience = is_brief(p) ? Duration{10s} : timeout;
             const bool listens = p.near && p.host;
             if (dead(p) || silent >= (listens ? Duration{1h} : patience)) result.insert(id);
             if (listens && !dead(p) && silent >= patience) listeners[p.address.text()].push_back({p.heard, id});
@@ -47,10 +49,10 @@ struct Model {
             std::sort(all.rbegin(), all.rend());
             for (std::size_t i = 2; i < all.size(); ++i) result.insert(all[i].second);
             for (std::size_t i = 0; i < std::min<std::size_t>(2, all.size()); ++i)
-                if (peers.at(all[i].second).once) once.push_back(all[i]);
+                if (!peers.at(all[i].second).returned) brief.push_back(all[i]);
         }
-        std::sort(once.begin(), once.end());
-        for (std::size_t i = 8; i < once.size(); ++i) result.insert(once[i].second);
+        std::sort(brief.begin(), brief.end());
+        for (std::size_t i = 8; i < brief.size(); ++i) result.insert(brief[i].second);
         return result;
     }
 };
@@ -70,7 +72,7 @@ TEST(PeerBook, lists_the_overdue_peers_after_any_input) {
                     IpAddress::v4(10, 0, 0, static_cast<std::uint8_t>(random.below(random.one_in(2) ? 3u : 12u))), 5000};
                 const bool near = !random.one_in(4);
                 book.add(id, endpoint, near, now);
-                model.peers[id] = {endpoint.address, near, false, now};
+                model.peers[id] = {endpoint.address, near, false, now, now};
             } else if (random.one_in(3)) {
                 const auto source = random.of<std::uint8_t>({0xFE, 0xD2, 0xDC, 0x20});
                 if (random.one_in(2)) {
@@ -79,6 +81,7 @@ TEST(PeerBook, lists_the_overdue_peers_after_any_input) {
                 }
                 book.heard(id, source, now);
                 model.peers[id].heard = now;
+                model.peers[id].returned |= now - model.peers[id].first >= 1s;
                 model.peers[id].host |= source == 0xFE || source == 0xD2;
                 model.peers[id].refused.clear();
             } else if (random.one_in(2)) {
