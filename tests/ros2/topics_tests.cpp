@@ -207,13 +207,13 @@ TEST_F(Ros2Topics, the_bridge_waits_for_the_gateway_and_survives_its_restart) {
 
 TEST_F(Ros2Topics, the_list_shows_sources_rates_and_why_topics_are_silent) {
     start_gateway({"sim:fc,name=fc"});
-    support::Process list{ANOGATE_ROS2, {"--control", socket, "--list"}};
+    support::Process list{ANOGATE_ROS2, {"--control", socket, "--list"}, bridge_environment()};
     ASSERT_EQ(list.wait(), 0) << list.output();
     const std::string& text = list.output();
     EXPECT_NE(text.find("/fc/imu/data"), std::string::npos) << text;
     EXPECT_NE(text.find("0x01 inertial"), std::string::npos);
     EXPECT_NE(text.find("the device does not send 0x40"), std::string::npos) << text;
-    support::Process nowhere{ANOGATE_ROS2, {"--control", dir / "none", "--list"}};
+    support::Process nowhere{ANOGATE_ROS2, {"--control", dir / "none", "--list"}, bridge_environment()};
     EXPECT_EQ(nowhere.wait(), 1);
     EXPECT_NE(nowhere.output().find("no gateway is running"), std::string::npos) << nowhere.output();
 }
