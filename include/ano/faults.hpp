@@ -94,6 +94,8 @@ inline constexpr FaultRow fault_rows[] = {
     // Requests that are refused for now.
     {"request_expired", "the gateway was paused and this request expired; please repeat it", "网关停顿过，请求已过期；请重试",
      503},
+    {"few_descriptors", "too few file descriptors for more streams, downloads and waiting clients (ulimit -n)",
+     "文件描述符不足，无法提供更多的流、下载和等待（ulimit -n）", 503},
     {"clients_waiting", "too many clients are waiting for jobs; try again later", "等待任务的客户端太多，请稍后再试", 503},
     {"no_such_job", "there is no job {number}: it never existed, or ended long ago", "没有任务 {number}：它从未存在，或早已结束",
      404},

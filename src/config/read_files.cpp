@@ -33,7 +33,9 @@ std::vector<std::string> parts_in(const fs::path& folder, ConfigErrors& errors) 
     std::error_code ec;
     for (fs::directory_iterator entry{folder, ec}; !ec && entry != fs::directory_iterator{}; entry.increment(ec))
         if (is_part(*entry)) parts.push_back(entry->path().string());
-    if (ec && ec != std::errc::no_such_file_or_directory) errors.push_back({folder.string(), ec.message()});
+    std::error_code ignored;
+    const bool is_absent = ec == std::errc::no_such_file_or_directory && !fs::is_symlink(folder, ignored);
+    if (ec && !is_absent) errors.push_back({folder.string(), ec.message()});
     std::sort(parts.begin(), parts.end());
     return parts;
 }

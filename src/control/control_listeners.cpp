@@ -6,6 +6,7 @@
 #include <http/listeners/token_file.hpp>
 #include <http/socket_path.hpp>
 #include <log/log_line.hpp>
+#include <sys/descriptors_left.hpp>
 #include <sys/device_permission.hpp>
 #include <sys/files/state_folder.hpp>
 #include <sys/lazy_memory.hpp>
@@ -21,6 +22,7 @@ namespace anogate {
 namespace {
 
 constexpr Duration retry = std::chrono::milliseconds{500};
+const std::string not_read = "tokens and certificate were not reloaded, the previous ones stay in use: ";
 constexpr std::size_t request_memory = 384 * 1024;    // bytes for a request and its response; without them no request is accepted
 
 std::string host_name() {
@@ -109,7 +111,8 @@ bool ControlListeners::open_local() {
 
 /// The content of the files for TCP access.
 struct ControlListeners::Files {
-    std::string fault{};    // empty: none
+    std::string fault{};          // empty: none
+    bool may_be_valid = false;    // with a fault: none of the files, but of the system, which has no descriptor or memory left
     std::string token_file{}, token_file_id{};
     std::vector<http::Token> tokens{};
     std::shared_ptr<http::Tls> tls{};
@@ -145,9 +148,13 @@ void ControlListeners::renew(const std::function<void(std::string fault)>& done)
     if (!settings_.http) return done({});
     const auto files = std::make_shared<Files>();
     const bool goes = background_task_.run(
-        [files, settings = settings_, needs = network_.needs_token] { *files = read_files(settings, needs); },
+        [files, settings = settings_, needs = network_.needs_token] {
+            *files = read_files(settings, needs);
+            files->may_be_valid = !can_open_descriptors();
+        },
         [this, files, done](std::string thrown) {
-            if (!thrown.empty()) files->fault = std::move(thrown);
+            if (!thrown.empty()) files->fault = std::move(thrown), files->may_be_valid = true;
+            if (!files->fault.empty() && files->may_be_valid) return done(not_read + files->fault);
             const bool was_shut = listener_info_.state == ListenerInfo::State::shut;
             if (use(std::move(*files)) && was_shut) {
                 awaits_network_ = true;
@@ -156,7 +163,7 @@ void ControlListeners::renew(const std::function<void(std::string fault)>& done)
             }
             done(listener_info_.state == ListenerInfo::State::shut ? listener_info_.error : std::string{});
         });
-    if (!goes) done("tokens and certificate were not reloaded: no thread is available");
+    if (!goes) done(not_read + std::string{background_task_.why_not()});
 }
 
 // Without tokens or certificate, TCP stays closed: access without protection would be worse than no access.

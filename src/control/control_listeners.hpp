@@ -36,7 +36,8 @@ public:
     void close();
 
     /// Reads tokens and certificate again, in a thread, and uses them from then on. If they have a fault, TCP is closed, as at
-    /// the start, until they are read again; `done` receives the fault, or empty.
+    /// the start, until they are read again; `done` receives the fault, or empty. If the system has no descriptor or memory to read
+    /// them, the previous ones stay in use.
     void renew(const std::function<void(std::string fault)>& done);
 
     /// The present state of the TCP access.

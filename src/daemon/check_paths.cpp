@@ -48,6 +48,7 @@ std::string fault_of_recording(const std::string& file) {
 std::string fault_of_recordings(const std::string& folder) {
     std::error_code ec;
     const fs::file_status there = fs::status(folder, ec);
+    if (ec == std::errc::not_a_directory) return "is below a file: nothing is recorded";
     return !fs::exists(there) || fs::is_directory(there) ? "" : "is not a folder: nothing is recorded";
 }
 

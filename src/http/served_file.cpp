@@ -1,5 +1,6 @@
 #include <http/range.hpp>
 #include <http/served_file.hpp>
+#include <sys/descriptors_left.hpp>
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -115,6 +116,7 @@ http::Response response_of(TaskPool& disk, UniqueFd file, const Wanted& wanted, 
 }    // namespace
 
 http::Response served(TaskPool& disk, const http::Request& request, ServedFile file) {
+    if (descriptors_left() == 0) return http::try_again(ano::Fault{"few_descriptors"});
     const Wanted wanted{std::string{request.header("Range")}, std::string{request.header("If-Range")}};
     return answer_from(disk, [&disk, wanted, file = std::move(file)] {
         auto opened = file.open();

@@ -129,7 +129,7 @@ bool Server::may_control(const ClientId& client_id, const Request* head) {
 
 std::optional<Response> Server::refusal_if_no_place(const ClientId& client_id, Access access, bool streams) {
     Quota& quota = quota_of(client_id);
-    const auto words = [] { return try_again("too few file descriptors for more streams and waiting clients (ulimit -n)"); };
+    const auto words = [] { return try_again(ano::Fault{"few_descriptors"}); };
     if (streams) {
         constexpr std::size_t for_short_ones = 4;    // descriptors
         if (descriptors_left() < descriptors_of_links_and_peers() + for_short_ones) return words();

@@ -1,28 +1,55 @@
 #include <sys/descriptors_left.hpp>
 
+#include <poll.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 
 namespace anogate {
 namespace {
 
-constexpr std::size_t for_links = 16, for_peers = 64;
+constexpr std::size_t for_own_work = 6, for_links = 16, for_peers = 64;
+constexpr std::size_t most_counted = 256;    // a higher count decides nothing
 
 std::size_t most_descriptors() noexcept {
     rlimit limit{};
     return ::getrlimit(RLIMIT_NOFILE, &limit) == 0 ? limit.rlim_cur : 0;
 }
 
+/// The free numbers in [first, last).
+std::size_t free_numbers(std::size_t first, std::size_t last) noexcept {
+    std::array<pollfd, 128> some{};
+    std::size_t free = 0;
+    while (first < last) {
+        const std::size_t count = std::min(some.size(), last - first);
+        for (std::size_t i = 0; i < count; ++i) some[i] = {static_cast<int>(first + i), 0, 0};
+        if (::poll(some.data(), count, 0) < 0) return free;
+        free += static_cast<std::size_t>(std::count_if(some.begin(), some.begin() + static_cast<std::ptrdiff_t>(count),
+                                                       [](const pollfd& one) { return (one.revents & POLLNVAL) != 0; }));
+        first += count;
+    }
+    return free;
+}
+
 }    // namespace
 
-// A new descriptor gets the lowest free number.
+// A new descriptor gets the lowest free number; higher ones may be in use.
 std::size_t descriptors_left() noexcept {
     const int next = ::dup(STDERR_FILENO);
     if (next < 0) return 0;
     ::close(next);
-    return most_descriptors() - std::min(most_descriptors(), static_cast<std::size_t>(next));
+    const auto first = static_cast<std::size_t>(next);
+    const std::size_t free = free_numbers(first, std::min(most_descriptors(), first + most_counted));
+    return free - std::min(free, for_own_work);
+}
+
+bool can_open_descriptors() noexcept {
+    const int next = ::dup(STDERR_FILENO);
+    if (next < 0) return false;
+    ::close(next);
+    return true;
 }
 
 std::size_t descriptors_of_links() noexcept { return std::min(for_links, most_descriptors() / 4); }

@@ -4,8 +4,12 @@
 
 namespace anogate {
 
-/// A lower bound: free numbers below the highest open descriptors may not be counted.
+/// The number of descriptors that connections, peers and downloads may still use. Six more are reserved for short work of the
+/// gateway itself, such as reading its configuration.
 std::size_t descriptors_left() noexcept;
+
+/// False if the program, the system or the memory allows no further descriptor: a file that can't be read now may be without fault.
+bool can_open_descriptors() noexcept;
 
 /// The number of descriptors reserved for links; fewer if the limit of the program is low.
 std::size_t descriptors_of_links() noexcept;

@@ -223,6 +223,37 @@ TEST(FewDescriptors, are_not_all_used_for_the_peers_of_a_tcp_port) {
     }
 }
 
+// The peers and the clients come first, so that only the reserved descriptors are left.
+TEST(FewDescriptors, all_used_by_peers_and_clients_leave_those_of_status_and_reload_and_the_page_stays_on) {
+    TempDir dir;
+    const std::string places = "max_peers=60,max_per_address=60";
+    const std::string config = dir.write("anogate.json", R"({"control": {"http": "127.0.0.1:0", "token_file": ")" +
+                                                             dir / "token" + R"("}, "links": ["tcp-listen:127.0.0.1:0,name=a,)" +
+                                                             places + R"(", "tcp-listen:127.0.0.1:0,name=b,)" + places +
+                                                             R"(", "tcp-listen:127.0.0.1:0,name=c,)" + places + R"("]})");
+    Daemon daemon{ANOGATED, dir / "control.sock", {"--config", config}, {}, [] {
+                      const rlimit few{40, 40};
+                      ::setrlimit(RLIMIT_NOFILE, &few);
+                  }};
+    ASSERT_TRUE(daemon.until_answers()) << daemon.output();
+    const Bytes command = frame(0xFE, 0xDC, 0xC0, {16, 1, 0});
+    Crowd peers, sockets;
+    for (const std::string link : {"a", "b", "c"})
+        for (int i = 0; i < 60; ++i) peers.add(connect_tcp(daemon.port(link)), {command.begin(), command.end()});
+    ASSERT_TRUE(daemon.until([](const nlohmann::json& status) {
+        return status.is_object() && status.at("links").at(0).at("channels").size() >= 10;
+    })) << daemon.status()["links"];
+    for (int i = 0; i < 60; ++i)
+        sockets.add(connect_unix(dir / "control.sock"), "GET /frames HTTP/1.1\r\nHost: x\r\n" + upgrade + "\r\n");
+    for (int i = 0; i < 20; ++i) {
+        EXPECT_TRUE(http(dir / "control.sock", "GET /status HTTP/1.0\r\n\r\n", patience).starts_with("HTTP/1.0 200")) << i;
+        const std::string reload = http(dir / "control.sock", "POST /reload HTTP/1.0\r\nContent-Length: 0\r\n\r\n", patience);
+        EXPECT_TRUE(reload.starts_with("HTTP/1.0 200")) << i << ": " << reload;
+        EXPECT_EQ(reload.find("http_error"), reload.npos) << reload;
+    }
+    EXPECT_EQ(daemon.status()["http"]["state"], "up") << daemon.output();
+}
+
 TEST(FewDescriptors, are_used_for_tcp_peers_before_clients_of_the_control_interface) {
     constexpr std::size_t hosts = 16;
     const Bytes command = frame(0xFE, 0xDC, 0xC0, {16, 1, 0});

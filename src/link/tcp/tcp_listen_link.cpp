@@ -27,6 +27,7 @@ namespace {
 
 constexpr int accepts_per_turn = 64;
 constexpr Duration accept_pause = std::chrono::seconds{1};
+constexpr std::size_t for_one_peer = 2;                         // descriptors, until its channel is open
 constexpr Duration between_silent = std::chrono::seconds{1};    // looks for room for those that only receive
 constexpr Duration one_exchange = std::chrono::seconds{1};      // longest silence of a device during an exchange
 // After its last frame, a host that has ended its output still receives, as in printf ... | nc. A host that is gone resets the
@@ -179,6 +180,7 @@ Opened<void> TcpListenLink::listen() {
 // Without a free descriptor, the listener would report the waiting connection again and again, so it pauses.
 void TcpListenLink::accept() {
     for (int i = 0; i < accepts_per_turn; ++i) {
+        if (descriptors_left() < for_one_peer) return pause_accepting();
         Accepted next = accept_tcp(listener_.fd());
         if (next.fd) {
             on_accepted(std::move(next.fd), next.peer);
@@ -186,10 +188,14 @@ void TcpListenLink::accept() {
         }
         if (errno == ECONNABORTED || errno == EINTR) continue;
         if (errno == EAGAIN) return;
-        no_memory_.add(context_.host.now());
-        listener_.stop_reading();
-        return accept_again_.set(context_.host.now() + accept_pause);
+        return pause_accepting();
     }
+}
+
+void TcpListenLink::pause_accepting() {
+    no_memory_.add(context_.host.now());
+    listener_.stop_reading();
+    accept_again_.set(context_.host.now() + accept_pause);
 }
 
 void TcpListenLink::accept_on() {

@@ -44,6 +44,7 @@ private:
     Opened<void> listen();
     void accept();
     void accept_on();
+    void pause_accepting();
     void on_accepted(UniqueFd fd, const Endpoint& peer);
     /// After the handshake, if it is encrypted. While there is little room, the connection waits for its first frame.
     void await_frame(UniqueFd fd, const Endpoint& peer, std::shared_ptr<TlsConnection> encrypted);

@@ -56,6 +56,7 @@ export const faults: Record<string, string> = {
   no_regular_file: "{place}：不是普通文件",
   no_map: "没有地图：请把 control.map 设为地图文件",
   request_expired: "网关停顿过，请求已过期；请重试",
+  few_descriptors: "文件描述符不足，无法提供更多的流、下载和等待（ulimit -n）",
   clients_waiting: "等待任务的客户端太多，请稍后再试",
   no_such_job: "没有任务 {number}：它从未存在，或早已结束",
   link_named: "链路 {link} ",

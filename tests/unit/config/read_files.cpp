@@ -94,6 +94,9 @@ TEST_F(ReadFiles, reports_unreadable_files) {
     EXPECT_EQ(faults(), "") << "there need not be any";
     write("conf.d", "a file");
     EXPECT_NE(faults().find("conf.d: Not a directory"), std::string::npos) << faults();
+    std::filesystem::remove(folder / "conf.d");
+    std::filesystem::create_symlink("nowhere", folder / "conf.d");
+    EXPECT_NE(faults().find("conf.d: No such file or directory"), std::string::npos) << faults();
 }
 
 }    // namespace

@@ -167,6 +167,7 @@ TEST(CommandLine, a_check_warns_of_paths_that_cannot_be_created) {
     EXPECT_NE(of_recordings(file).find("/record/folder: warning: 'folder' '" + file + "': is not a folder: nothing is recorded"),
               std::string::npos)
         << of_recordings(file);
+    EXPECT_NE(of_recordings(file + "/sub").find("is below a file: nothing is recorded"), std::string::npos);
     EXPECT_EQ(of_recordings(there), "");
     EXPECT_EQ(of_recordings(there + "/none"), "") << "it is created";
 }
