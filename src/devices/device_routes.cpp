@@ -4,6 +4,7 @@
 #include <ano_json/json_line.hpp>
 #include <ano_json/lower_case.hpp>
 #include <ano_json/nearest.hpp>
+#include <ano_json/shown_text.hpp>
 #include <ano_json/strict_json.hpp>
 #include <ano_json/text.hpp>
 #include <devices/device_json.hpp>
@@ -76,6 +77,7 @@ std::string client_of(const Request& request) {
     for (std::size_t i = 0; i < name.size() && clean.size() < max_bytes; ++i)
         if (const std::size_t size = ano::control_size(name, i); size > 0) i += size - 1;
         else clean += name[i];
+    clean.resize(ano::without_cut_character(clean, ano::Encoding::utf8).size());
     if (clean.empty() || client.empty()) return clean + client;
     return request.connection_info.is_network ? clean + " at " + client : clean + " (" + client + ")";
 }

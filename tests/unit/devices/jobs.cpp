@@ -78,6 +78,15 @@ TEST_F(Jobs, a_parser_that_may_be_stuck_is_flushed_before_the_request_is_repeate
     EXPECT_EQ(net.flushed_before[0], net.sent[0]);
 }
 
+TEST_F(Jobs, name_a_client_with_a_long_name_by_whole_characters_of_it) {
+    std::string name = "ab";
+    for (int i = 0; i < 40; ++i) name += "飞";
+    const auto lines = net.lines("GET", "/devices/0xDC/parameters?client=" + name);
+    ASSERT_TRUE(lines);
+    lines->start([] {});
+    EXPECT_EQ(take(*lines).at(0).at("client"), name.substr(0, 62)) << "a character has three bytes";
+}
+
 TEST_F(Jobs, are_reported_line_by_line_to_clients_that_accept_it) {
     fake.make_parameters(200);
     const auto lines = net.lines("GET", "/devices/0xDC/parameters?client=test");
