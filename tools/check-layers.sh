@@ -85,7 +85,7 @@ only_in() {
 }
 forbid "sys/asio\.hpp" src/link/*.hpp src/link/*/*.hpp    # asio_fwd.hpp: otherwise everybody who knows a link would compile it
 only_in 'src/(sys|http)/asio(_ssl)?\.hpp' 'boost/asio'
-only_in 'src/(http/(tls|client/certificate)|link/tcp/tls_context|ros2/type_hash)\.cpp|tests/support/(key_updates|early_certificate)\.hpp' 'openssl/|http/asio_ssl'
+only_in 'src/(http/(tls|client/certificate)|link/tcp/tls_context|sys/certificate_validity|ros2/type_hash)\.cpp|tests/support/(key_updates|changed_certificate)\.hpp' 'openssl/|http/asio_ssl'
 only_in 'src/http/[a-z_/]+\.cpp' 'boost/beast'
 only_in 'src/gpio/gpio_line\.cpp' 'gpiod'
 only_in 'tools/anoctl/device/png\.cpp|tests/.*' 'png\.h'

@@ -8,11 +8,13 @@
 #include <log/log_line.hpp>
 #include <sys/descriptors_left.hpp>
 #include <sys/device_permission.hpp>
+#include <sys/files/read_file.hpp>
 #include <sys/files/state_folder.hpp>
 #include <sys/lazy_memory.hpp>
 
 #include <climits>
 #include <filesystem>
+#include <initializer_list>
 #include <memory>
 #include <utility>
 
@@ -30,11 +32,29 @@ std::string host_name() {
     return ::gethostname(name, sizeof name - 1) == 0 ? name : "";
 }
 
+/// The file with the tokens; empty: none are needed, or there is no folder for it.
+std::string token_file_of(const ControlSettings& settings, bool needs_token) {
+    if (!settings.token_file.empty() || !needs_token) return settings.token_file;
+    const std::string folder = state_folder();
+    return folder.empty() ? folder : folder + "/token";
+}
+
 /// The absolute path, for programs in other working folders.
 std::string whole_path(const std::string& path) {
     std::error_code ec;
     const std::filesystem::path whole = std::filesystem::absolute(path, ec);
     return ec ? path : whole.lexically_normal().string();
+}
+
+/// By path, a number that differs after a change of the content. May block.
+std::map<std::string, std::size_t> contents_of(std::initializer_list<std::string> files) {
+    std::map<std::string, std::size_t> contents;
+    for (const std::string& file : files) {
+        if (file.empty()) continue;
+        std::error_code error;
+        contents[whole_path(file)] = std::hash<std::string>{}(read_file(file, max_config_size, error));
+    }
+    return contents;
 }
 
 void log_guessing(const std::string& peer, const http::Attempts::News& news) {
@@ -116,20 +136,21 @@ struct ControlListeners::Files {
     std::string token_file{}, token_file_id{};
     std::vector<http::Token> tokens{};
     std::shared_ptr<http::Tls> tls{};
+    std::map<std::string, std::size_t> contents{};
 };
 
 // May block.
 ControlListeners::Files ControlListeners::read_files(const ControlSettings& settings, bool needs_token) {
     Files files;
-    const std::string folder = state_folder();
-    if (needs_token || !settings.token_file.empty()) {
-        if (settings.token_file.empty() && folder.empty()) return {"no folder for the tokens; set control.token_file"};
-        files.token_file = settings.token_file.empty() ? folder + "/token" : settings.token_file;
+    files.token_file = token_file_of(settings, needs_token);
+    if (needs_token && files.token_file.empty()) return {"no folder for the tokens; set control.token_file"};
+    if (!files.token_file.empty()) {
         auto tokens = http::read_or_make_tokens(files.token_file);
         if (!tokens) return {"control.token_file: " + tokens.error()};
         files.tokens = std::move(*tokens);
         files.token_file_id = http::id_of_token_file(files.token_file);
     }
+    files.contents = contents_of({files.token_file, settings.tls.certificate, settings.tls.key});
     if (settings.tls.key.empty()) return files;
     auto tls = http::Tls::load(settings.tls.certificate, settings.tls.key);
     if (!tls) return {"control.tls: " + tls.error()};
@@ -144,32 +165,46 @@ void ControlListeners::open_network() {
     try_network();
 }
 
-void ControlListeners::renew(const std::function<void(std::string fault)>& done) {
-    if (!settings_.http) return done({});
+void ControlListeners::renew(bool dry_run, const Renewed& done) {
+    if (!settings_.http) return done({}, {});
     const auto files = std::make_shared<Files>();
     const bool goes = background_task_.run(
-        [files, settings = settings_, needs = network_.needs_token] {
-            *files = read_files(settings, needs);
+        [files, dry_run, settings = settings_, needs = network_.needs_token] {
+            if (!dry_run) *files = read_files(settings, needs);
+            else files->contents = contents_of({token_file_of(settings, needs), settings.tls.certificate, settings.tls.key});
             files->may_be_valid = !can_open_descriptors();
         },
-        [this, files, done](std::string thrown) {
+        [this, files, dry_run, done](std::string thrown) {
             if (!thrown.empty()) files->fault = std::move(thrown), files->may_be_valid = true;
-            if (!files->fault.empty() && files->may_be_valid) return done(not_read + files->fault);
+            if (!files->fault.empty() && files->may_be_valid) return done(not_read + files->fault, {});
+            std::vector<std::string> changed = changed_files(files->contents);
+            if (dry_run) return done({}, std::move(changed));
             const bool was_shut = listener_info_.state == ListenerInfo::State::shut;
             if (use(std::move(*files)) && was_shut) {
                 awaits_network_ = true;
                 try_network();
                 if (awaits_network_) again_.start(retry);
             }
-            done(listener_info_.state == ListenerInfo::State::shut ? listener_info_.error : std::string{});
+            if (listener_info_.state == ListenerInfo::State::shut) return done(listener_info_.error, {});
+            done({}, std::move(changed));
         });
-    if (!goes) done(not_read + std::string{background_task_.why_not()});
+    if (!goes) done(not_read + std::string{background_task_.why_not()}, {});
+}
+
+std::vector<std::string> ControlListeners::changed_files(const std::map<std::string, std::size_t>& contents) const {
+    std::vector<std::string> changed;
+    for (const auto& [path, content] : contents)
+        if (const auto known = contents_.find(path); known == contents_.end() || known->second != content)
+            changed.push_back(path);
+    return changed;
 }
 
 // Without tokens or certificate, TCP stays closed: access without protection would be worse than no access.
 bool ControlListeners::shut(std::string why) {
     log_error("control.http stays off: {}", why);
     awaits_network_ = false;
+    network_.tls.reset();
+    contents_.clear();
     server_.set_rules({});
     server_.stop_network();
     listener_info_.state = ListenerInfo::State::shut;
@@ -203,15 +238,23 @@ bool ControlListeners::use(Files files) {
                        {"/", "/foxglove"},
                        {foxglove::subprotocols.begin(), foxglove::subprotocols.end()},
                        token_file_id_});
+    contents_ = std::move(files.contents);
     network_.tls = std::move(files.tls);
     const std::string advice = network_.tls ? network_.tls->advice() : std::string{};
     if (!advice.empty()) log_warning("control.tls: {}: {}", settings_.tls.key, advice);
-    const std::string validity = network_.tls ? network_.tls->validity() : std::string{};
-    if (!validity.empty()) log_warning("control.tls: {}: {}", settings_.tls.certificate, validity);
+    logged_validity_.clear();
+    log_validity();
     server_.set_tls(network_.tls);
     listener_info_.is_encrypted = network_.tls != nullptr;
     listener_info_.certificate = network_.tls ? whole_path(settings_.tls.certificate) : std::string{};
     return true;
+}
+
+void ControlListeners::log_validity() {
+    std::string warning = network_.tls ? network_.tls->validity().warning("the certificate") : std::string{};
+    if (warning == logged_validity_) return;
+    logged_validity_ = std::move(warning);
+    if (!logged_validity_.empty()) log_warning("control.tls: {}: {}", settings_.tls.certificate, logged_validity_);
 }
 
 void ControlListeners::try_again() {

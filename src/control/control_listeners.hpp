@@ -9,8 +9,11 @@
 
 #include <sys/types.h>
 
+#include <cstddef>
 #include <functional>
+#include <map>
 #include <string>
+#include <vector>
 
 namespace anogate {
 
@@ -35,15 +38,21 @@ public:
     /// Closes everything at once.
     void close();
 
+    /// Receives a fault of the files, or empty, and the files whose content has changed since they were used.
+    using Renewed = std::function<void(std::string fault, std::vector<std::string> changed)>;
     /// Reads tokens and certificate again, in a thread, and uses them from then on. If they have a fault, TCP is closed, as at
-    /// the start, until they are read again; `done` receives the fault, or empty. If the system has no descriptor or memory to read
-    /// them, the previous ones stay in use.
-    void renew(const std::function<void(std::string fault)>& done);
+    /// the start, until they are read again. If the system has no descriptor or memory to read them, the previous ones stay in use.
+    /// A dry run only compares them.
+    void renew(bool dry_run, const Renewed& done);
+
+    /// Logs once that the certificate is not valid, or not for long. To be called now and then.
+    void log_validity();
 
     /// The present state of the TCP access.
     ListenerInfo listener_info() const {
         ListenerInfo listener = listener_info_;
         listener.wrong_tokens = server_.admission().wrong_tokens();
+        if (network_.tls) listener.validity = network_.tls->validity();
         listener.evicted = server_.evicted().count;
         listener.evicted_lately = listener.evicted > 0 && ano::Clock::now() - server_.evicted().last < ListenerInfo::lately;
         listener.guessing_clients = server_.admission().guessing_clients();
@@ -57,6 +66,7 @@ private:
     void open_network();
     struct Files;
     static Files read_files(const ControlSettings& settings, bool needs_token);
+    std::vector<std::string> changed_files(const std::map<std::string, std::size_t>& contents) const;
     void name_network();
     bool use(Files files);
     bool shut(std::string why);
@@ -73,7 +83,9 @@ private:
     bool awaits_local_ = false, awaits_network_ = false;
     http::Server::Network network_;
     ListenerInfo listener_info_;
+    std::string logged_validity_;    // the last warning; empty: there is none
     std::string token_file_id_{};
+    std::map<std::string, std::size_t> contents_;    // of the files in use, by path: a number that differs after a change
     SignInCodes codes_{};
 };
 

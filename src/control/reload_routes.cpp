@@ -46,10 +46,11 @@ http::Response answer_of(const ReloadOutcome& outcome) {
     for (const LinkDifference& link : outcome.difference.links)
         links.push_back({{"name", link.name}, {"change", text(link.change)}, {"differences", link.differences}});
     Json json{{"dry_run", outcome.dry_run},
-              {"changed", !outcome.difference.is_none()},
+              {"changed", !outcome.difference.is_none() || !outcome.files.empty()},
               {"links", std::move(links)},
               {"gateway", outcome.difference.gateway},
-              {"needs_restart", outcome.difference.needs_restart}};
+              {"needs_restart", outcome.difference.needs_restart},
+              {"files", outcome.files}};
     json["confirm_within_s"] = outcome.confirm_within ? Json(in_seconds(*outcome.confirm_within)) : Json(nullptr);
     if (!outcome.listener_fault.empty()) json["http_error"] = outcome.listener_fault;
     return json_response(200, json);
@@ -95,7 +96,8 @@ void add_reload_routes(http::Routes& routes, Reload& reload) {
     routes.add_without_body(
         {"POST", "/reload", http::Access::control,
          "reloads the configuration (dry_run: only report what would change; confirm_within=30s: unless confirmed, the "
-         "previous one is restored), and returns the result for each link",
+         "previous one is restored) and the tokens and certificate of control.http, and returns the result for each link and the "
+         "files whose content has changed",
          ask});
     routes.add_without_body({"POST", "/reload/confirm", http::Access::control, "confirms the last reload", confirm});
 }

@@ -91,6 +91,7 @@ http::Response metrics_answer(const Request& request, Gateway& gateway, const Li
     MetricsSnapshot snapshot = metrics_snapshot(gateway, gateway.now());
     snapshot.wrong_tokens = listener.wrong_tokens;
     snapshot.evicted = listener.evicted;
+    snapshot.certificate_days = listener.validity.days_left;
     snapshot.guessing_clients = listener.guessing_clients;
     for (const ActiveAlarm& alarm : devices.alarms().watch().active(gateway.now()))
         ++(alarm.level == AlarmLevel::red ? snapshot.red_alarms : snapshot.amber_alarms);

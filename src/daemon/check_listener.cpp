@@ -58,7 +58,8 @@ void warn_of_tls(Draft& draft, bool service) {
     const auto warn = [&](const std::string& what) { draft.warnings.push_back({draft.control.key("tls"), "warning: " + what}); };
     if (!tls) return warn("control.http stays off: " + tls.error());
     if (const std::string advice = (*tls)->advice(); !advice.empty()) warn(key + ": " + advice);
-    if (const std::string validity = (*tls)->validity(); !validity.empty()) warn(certificate + ": " + validity);
+    if (const std::string warning = (*tls)->validity().warning("the certificate"); !warning.empty())
+        warn(certificate + ": " + warning);
 }
 
 void warn_of_link(Draft& draft, std::size_t at, bool service) {

@@ -97,7 +97,7 @@ public:
         flexible_.add_routes(control_.routes());
         flexible_.before_change([this] { recordings_.catch_up(); });
         control_.add_login_routes();
-        reload_.on_reloaded([this](const std::function<void(std::string)>& done) { control_.renew(done); });
+        reload_.on_reloaded([this](bool dry_run, const Reload::Reread& done) { control_.renew(dry_run, done); });
         signals_.add(SIGUSR1);
         hold_signals(SIG_UNBLOCK, {SIGTERM, SIGHUP, SIGUSR1});
     }
@@ -154,6 +154,7 @@ private:
 
     void log_hints() {
         for (const std::string& line : hint_log_.news(gateway_)) log_info("{}", line);
+        control_.log_validity();
     }
 
     // A second signal while waiting frames are sent stops the program at once.

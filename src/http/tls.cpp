@@ -137,17 +137,7 @@ std::string Tls::advice() const {
            "certificate";
 }
 
-std::string Tls::validity() const {
-    constexpr int soon = 14;
-    const X509* const certificate = ::SSL_CTX_get0_certificate(context_->ssl.native_handle());
-    if (!certificate) return {};
-    if (::X509_cmp_current_time(::X509_get0_notBefore(certificate)) > 0)
-        return "the certificate is not valid yet: check the clock of this computer, or replace it";
-    int days = 0, seconds = 0;
-    if (::ASN1_TIME_diff(&days, &seconds, nullptr, ::X509_get0_notAfter(certificate)) != 1 || days > soon) return {};
-    if (days < 0 || seconds < 0) return "the certificate has expired: replace it";
-    return "the certificate expires in " + std::to_string(days) + (days == 1 ? " day" : " days") + ": replace it";
-}
+CertificateValidity Tls::validity() const { return validity_of(::SSL_CTX_get0_certificate(context_->ssl.native_handle())); }
 
 std::unique_ptr<Stream> Tls::stream(Socket socket, ConnectionInfo connection_info) const {
     return std::make_unique<TlsStream>(std::move(socket), context_->ssl, context_, std::move(connection_info));

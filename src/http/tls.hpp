@@ -1,6 +1,7 @@
 // Encrypted streams: TLS 1.2 and 1.3 by OpenSSL.
 #pragma once
 #include <http/stream.hpp>
+#include <sys/certificate_validity.hpp>
 #include <sys/expected.hpp>
 
 #include <memory>
@@ -17,8 +18,7 @@ public:
 
     /// A warning about the key; empty: none. A new connection with a large RSA key takes the loop many milliseconds.
     std::string advice() const;
-    /// A warning about the certificate that is not valid yet, has expired or expires within 14 days; empty: none of them.
-    std::string validity() const;
+    CertificateValidity validity() const;
 
     /// The server's side of a connected socket. The handshake is done with the first read or write, which must be called only
     /// after the client has sent something.

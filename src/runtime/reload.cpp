@@ -29,7 +29,8 @@ void log_outcome(const ReloadOutcome& outcome) {
     if (!outcome.faults.empty()) log_error("reload: nothing was changed, the configuration has errors:");
     for (const ConfigError& fault : outcome.faults) log_error("reload: {}", line_of(fault));
     if (!outcome.faults.empty() || outcome.dry_run) return;
-    if (outcome.difference.is_none()) log_info("reload: no changes");
+    if (outcome.difference.is_none() && outcome.files.empty() && outcome.listener_fault.empty()) log_info("reload: no changes");
+    for (const std::string& file : outcome.files) log_info("reload: read again: {}", file);
     log_difference(outcome.difference);
     if (outcome.confirm_within)
         log_warning("reload: the previous configuration is restored in {} unless this one is confirmed",
@@ -184,7 +185,8 @@ void Reload::begin(const ReloadRequest& request, const Done& done) {
 
 void Reload::carry_out(const std::shared_ptr<Job>& job, const Done& done) {
     const ReloadOutcome& outcome = job->outcome;
-    if (outcome.dry_run || !outcome.faults.empty() || !outcome.refusal.empty()) return finish(outcome, done);
+    if (!outcome.faults.empty() || !outcome.refusal.empty()) return finish(outcome, done);
+    if (outcome.dry_run) return reread(job, done);
     change_gateway(job->applied, outcome.difference, [this, job, done] { changed(job, done); });
 }
 
@@ -217,9 +219,14 @@ void Reload::changed(const std::shared_ptr<Job>& job, const Done& done) {
     }
     gateway_.set_config_state(std::move(state));
     settle();
-    if (!on_reloaded_) return finish(outcome, done);
-    on_reloaded_([this, job, done](std::string fault) {
+    reread(job, done);
+}
+
+void Reload::reread(const std::shared_ptr<Job>& job, const Done& done) {
+    if (!on_reloaded_) return finish(job->outcome, done);
+    on_reloaded_(job->outcome.dry_run, [this, job, done](std::string fault, std::vector<std::string> changed) {
         job->outcome.listener_fault = std::move(fault);
+        job->outcome.files = std::move(changed);
         finish(job->outcome, done);
     });
 }

@@ -39,7 +39,8 @@ struct ReloadOutcome {
     Difference difference{};
     bool dry_run = false;
     std::optional<ano::Duration> confirm_within{};    // std::nullopt: no confirmation is needed
-    std::string listener_fault{};    // why control.http is off: a fault of its tokens or certificate; empty: it is on
+    std::string listener_fault{};        // why control.http is off: a fault of its tokens or certificate; empty: it is on
+    std::vector<std::string> files{};    // its files whose content has changed
 };
 
 /// Requests are processed one after the other, in order. A confirmation and the expiry of its time are processed before waiting
@@ -69,9 +70,10 @@ public:
     const WrittenValues& written() const noexcept { return written_; }
     /// `call` is called when the running configuration or its source may have changed.
     void on_settled(std::function<void()> call) { on_settled_ = std::move(call); }
-    /// `call` is called after each change by a reload. It must call `done` with a fault of the files that it read again, or
-    /// empty.
-    void on_reloaded(std::function<void(std::function<void(std::string fault)> done)> call) { on_reloaded_ = std::move(call); }
+    using Reread = std::function<void(std::string fault, std::vector<std::string> changed)>;
+    /// `call` is called after each change by a reload, to read other files again, and in a dry run, where it only compares them.
+    /// It must call `done` with their fault, or empty, and those whose content has changed.
+    void on_reloaded(std::function<void(bool dry_run, Reread done)> call) { on_reloaded_ = std::move(call); }
     /// `call` receives the names of links that were changed, added or removed.
     void on_links_changed(std::function<void(const std::vector<std::string>&)> call) { on_links_changed_ = std::move(call); }
     /// Stops processing and answering requests.
@@ -87,6 +89,7 @@ private:
     void begin(const ReloadRequest& request, const Done& done);
     void carry_out(const std::shared_ptr<Job>& job, const Done& done);
     void changed(const std::shared_ptr<Job>& job, const Done& done);
+    void reread(const std::shared_ptr<Job>& job, const Done& done);
     void finish(const ReloadOutcome& outcome, const Done& done);
     void begin_confirm(const std::function<void(std::string)>& done);
     bool may_still_be_confirmed() const;
@@ -106,7 +109,7 @@ private:
     std::deque<Task> first_, tasks_;
     std::function<void(const std::vector<std::string>&)> on_links_changed_;
     std::function<void()> on_settled_;
-    std::function<void(std::function<void(std::string)>)> on_reloaded_;
+    std::function<void(bool, Reread)> on_reloaded_;
     WrittenValues written_;
     std::optional<ReadConfig> unconfirmed_;    // the running configuration while it is not confirmed
     bool busy_ = false;

@@ -1,5 +1,7 @@
 // The state of the TCP access to the control interface, for the status.
 #pragma once
+#include <sys/certificate_validity.hpp>
+
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -24,6 +26,7 @@ struct ListenerInfo {
     std::uint16_t port = 0;
     bool is_encrypted = false;
     std::string certificate{};    // absolute path; empty: not encrypted
+    CertificateValidity validity{};
     bool needs_token = false;
     std::string token_file{};                                     // absolute path; empty: no tokens
     std::vector<std::string> hosts{};                             // configured names of this machine

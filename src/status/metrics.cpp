@@ -68,6 +68,9 @@ void write_gateway(MetricsText& text, const MetricsSnapshot& s) {
     text.family("anogate_connections_gave_way", MetricType::counter,
                 "connections to control.http that waited and were closed because others came");
     text.sample({}, s.evicted);
+    text.family("anogate_http_certificate_expires_seconds", MetricType::gauge,
+                "whole days until the certificate of control.tls expires; negative: expired");
+    if (s.certificate_days) text.sample({}, static_cast<double>(*s.certificate_days) * 86400);
     text.family("anogate_alarms", MetricType::gauge, "device values outside their alarm limits");
     text.sample({{"level", "amber"}}, s.amber_alarms);
     text.sample({{"level", "red"}}, s.red_alarms);

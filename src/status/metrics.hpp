@@ -51,6 +51,7 @@ struct MetricsSnapshot {
     std::vector<std::pair<std::string_view, std::uint64_t>> routes;    // deciding rule, number of addresses
     std::uint64_t conflicts = 0;
     std::uint64_t wrong_tokens = 0, guessing_clients = 0, evicted = 0;    // of control.http, see ListenerInfo
+    std::optional<std::int64_t> certificate_days;                         // of control.tls
     std::uint64_t amber_alarms = 0, red_alarms = 0;                       // values beyond their limits
     std::vector<Link> links;
     std::optional<TunnelCounters> tunnel;

@@ -153,6 +153,17 @@ Json gateway_json(const Gateway& gateway, TimePoint now) {
     return json;
 }
 
+// Waiting connections come first: that hint ends within minutes.
+Hint hint_of(const ListenerInfo& listener) {
+    if (listener.evicted_lately) return waiting_connections_closed();
+    const CertificateValidity& validity = listener.validity;
+    std::string text = validity.warning("the certificate of control.tls");
+    if (text.empty()) return {};
+    text += ", then run anoctl reload";
+    if (!validity.has_begun) return {"certificate_not_valid_yet", std::move(text)};
+    return {"certificate_expires", std::move(text), {{"days", *validity.days_left}}};
+}
+
 Json http_json(const ListenerInfo& listener) {
     Json json;
     json["state"] = text(listener.state);
@@ -162,15 +173,17 @@ Json http_json(const ListenerInfo& listener) {
     json["port"] = listener.port;
     json["tls"] = listener.is_encrypted;
     if (listener.is_encrypted) json["certificate"] = listener.certificate;
+    if (listener.validity.days_left) json["certificate_days"] = *listener.validity.days_left;
     json["token_needed"] = listener.needs_token;
     if (!listener.token_file.empty()) json["token_file"] = listener.token_file;
     json["hosts"] = listener.hosts;
     json["wrong_tokens"] = listener.wrong_tokens;
     json["guessing_clients"] = listener.guessing_clients;
     json["gave_way"] = listener.evicted;
-    const Hint hint = listener.evicted_lately ? waiting_connections_closed() : Hint{};
+    const Hint hint = hint_of(listener);
     json["hint_id"] = hint.id;
     json["hint"] = hint.text;
+    json["hint_args"] = args_json(hint);
     json["codes"] = {{"link", listener.link_code}, {"digits", listener.digits_code}};
     return json;
 }

@@ -210,6 +210,19 @@ TEST_F(Reloaded, a_reload_request_with_a_token_that_it_removes_still_gets_its_re
     EXPECT_EQ(code("POST /reload", bearer(control_token)), "401");
 }
 
+TEST_F(Reloaded, files_with_other_content_are_named) {
+    const std::string none = R"("files":[])", one = R"("files":[")" + tokens + R"("])";
+    EXPECT_NE(reload().find(none), std::string::npos) << reload();
+    dir.write("token", "control " + new_token + "\n");
+    const std::string would = body_of(http(socket, "POST /reload?dry_run HTTP/1.0\r\n\r\n"));
+    EXPECT_NE(would.find(one), std::string::npos) << would;
+    EXPECT_EQ(code("GET /status", bearer(control_token)), "200") << "nothing was read again";
+    const std::string done = reload();
+    EXPECT_NE(done.find(one), std::string::npos) << done;
+    EXPECT_NE(done.find(R"("changed":true)"), std::string::npos) << done;
+    EXPECT_NE(reload().find(none), std::string::npos);
+}
+
 TEST_F(Reloaded, faulty_files_switch_http_off_as_at_the_start) {
     std::filesystem::permissions(tokens, std::filesystem::perms{0644});
     const std::string told = reload();

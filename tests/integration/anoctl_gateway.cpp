@@ -1,6 +1,7 @@
 // anoctl as a client of a running gateway.
 #include <http/client/certificate.hpp>
 #include <http/server.hpp>
+#include <support/changed_certificate.hpp>
 #include <support/child.hpp>
 #include <support/loop.hpp>
 #include <support/namespaces.hpp>
@@ -27,6 +28,7 @@
 #include <fstream>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -34,6 +36,7 @@
 namespace anoctl_gateway_tests {
 namespace {
 
+using namespace std::chrono_literals;
 using namespace support;
 using nlohmann::json;
 
@@ -227,6 +230,79 @@ TEST(AnoctlStatus, is_degraded_by_unusable_certificates_of_a_link_and_of_the_pag
         return status.at("links").at(0).at("error_id") == "certificate_unusable";
     })) << daemon.status();
     EXPECT_EQ(anoctl({"status", "--control", socket}).printed.find("degraded: 1 unusable certificate, http\n"), 0u);
+}
+
+class PageCertificate : public testing::Test {
+protected:
+    PageCertificate() { EXPECT_TRUE(anogate::http::make_certificate({{"vehicle"}, {}}, certificate, key)); }
+    void valid(std::chrono::seconds begin, std::chrono::seconds end) {
+        EXPECT_TRUE(change_validity(certificate, key, begin, end));
+    }
+    void start() {
+        std::ofstream{config} << json{
+            {"links", {"udp-listen:127.0.0.1:0"}},
+            {"control", {{"http", "127.0.0.1:0"}, {"tls", {{"certificate", certificate}, {"key", key}}}}}};
+        daemon.emplace(ANOGATED, socket, std::vector<std::string>{"--config", config});
+        ASSERT_TRUE(daemon->until_answers()) << daemon->output();
+    }
+    bool until_hint(const std::string& id) {
+        return daemon->until([&](const json& status) { return status.at("http").at("hint_id") == id; });
+    }
+    Result status() const { return anoctl({"status", "--exit-code", "--control", socket}); }
+
+    const TempDir dir;
+    const std::string certificate = dir / "page.pem", key = dir / "page-key.pem";
+    const std::string socket = dir / "control.sock", config = dir / "anogate.json";
+    std::optional<Daemon> daemon;
+};
+
+TEST_F(PageCertificate, that_has_expired_or_is_not_valid_yet_degrades_the_gateway) {
+    valid(-48h, -24h - 10min);
+    start();
+    EXPECT_EQ(daemon->status().at("http").at("certificate_days"), -2);
+    const Result expired = status();
+    EXPECT_EQ(expired.exit, 3);
+    EXPECT_EQ(expired.printed.find("degraded: 1 expired certificate\n"), 0u) << expired.printed;
+    EXPECT_NE(expired.printed.find("http: the certificate of control.tls has expired: replace it, then run anoctl reload\n"),
+              std::string::npos)
+        << expired.printed;
+    valid(24h, 800h);
+    EXPECT_EQ(anoctl({"reload", "--control", socket}).printed, "read again: " + certificate + "\n1 link unchanged\n");
+    EXPECT_TRUE(until_hint("certificate_not_valid_yet"));
+    EXPECT_EQ(status().printed.find("degraded: 1 hint\n"), 0u) << status().printed;
+}
+
+TEST_F(PageCertificate, is_reported_during_its_last_two_weeks_also_if_they_begin_while_the_gateway_runs) {
+    valid(-24h, 15 * 24h + 4s);
+    start();
+    EXPECT_EQ(daemon->status().at("http").at("certificate_days"), 15);
+    EXPECT_EQ(daemon->status().at("http").at("hint"), "");
+    EXPECT_TRUE(until_hint("certificate_expires"));
+    EXPECT_EQ(daemon->status().at("http").at("hint_args"), json({{"days", 14}}));
+    EXPECT_TRUE(daemon->until_says("control.tls: " + certificate + ": the certificate expires in 14 days: replace it"))
+        << daemon->output();
+    EXPECT_NE(http(socket, "GET /metrics HTTP/1.0\r\n\r\n").find("\nanogate_http_certificate_expires_seconds 1209600\n"),
+              std::string::npos);
+    const Result soon = status();
+    EXPECT_EQ(soon.exit, 0) << "it still works";
+    EXPECT_NE(soon.printed.find("http: the certificate of control.tls expires in 14 days"), std::string::npos) << soon.printed;
+}
+
+TEST_F(PageCertificate, whose_content_has_changed_is_named_by_a_reload) {
+    start();
+    const auto reload = [&](std::vector<std::string> words) {
+        words.insert(words.begin(), "reload");
+        words.insert(words.end(), {"--control", socket});
+        return anoctl(words).printed;
+    };
+    EXPECT_EQ(reload({}), "no changes\n");
+    for (const std::string& file : {certificate, key}) std::filesystem::remove(file);
+    EXPECT_TRUE(anogate::http::make_certificate({{"vehicle"}, {}}, certificate, key));
+    const std::string files = "read again: " + key + "\nread again: " + certificate + "\n1 link unchanged\n";
+    EXPECT_EQ(reload({"--dry-run"}), files + "nothing was changed (--dry-run)\n");
+    EXPECT_EQ(reload({}), files);
+    EXPECT_TRUE(daemon->until_says("reload: read again: " + certificate)) << daemon->output();
+    EXPECT_EQ(reload({}), "no changes\n");
 }
 
 TEST(AnoctlStatus, names_a_vehicle_that_was_lost_in_flight) {
@@ -471,6 +547,12 @@ TEST_F(AnoctlReload, lists_the_changes_that_need_a_restart) {
     body =
         R"({"dry_run": false, "changed": false, "links": [], "gateway": [], "needs_restart": ["control.http: not set -> 1.2.3.4:8"]})";
     EXPECT_EQ(reload({}).printed, "at the next start:\n    control.http: not set -> 1.2.3.4:8\n");
+}
+
+TEST_F(AnoctlReload, shows_why_the_http_interface_is_off) {
+    body =
+        R"({"dry_run": false, "changed": false, "links": [], "gateway": [], "files": [], "http_error": "control.tls: no key"})";
+    EXPECT_EQ(reload({}).printed, "HTTP interface off: control.tls: no key\n");
 }
 
 TEST_F(AnoctlReload, shows_the_faults_of_a_configuration) {

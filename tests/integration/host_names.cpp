@@ -79,6 +79,23 @@ TEST_F(HostNames, a_name_keeps_its_last_addresses_while_it_is_not_found) {
     EXPECT_EQ(last.front().text(), "127.0.0.3");
 }
 
+TEST_F(HostNames, an_answer_is_kept_for_a_minute) {
+    hosts->set("127.0.0.2 fc.test\n");
+    BareLinkHost host;
+    const ano::TimePoint start = host.now();
+    const auto address_at = [&](ano::Duration later) {
+        std::string address;
+        host.context().names.resolve("fc.test", start + later, this,
+                                     [&](const auto& addresses, const auto&) { address = addresses.at(0).text(); });
+        EXPECT_TRUE(host.until([&] { return !address.empty(); }));
+        return address;
+    };
+    EXPECT_EQ(address_at(0s), "127.0.0.2");
+    hosts->set("127.0.0.3 fc.test\n");
+    EXPECT_EQ(address_at(59s), "127.0.0.2");
+    EXPECT_EQ(address_at(61s), "127.0.0.3");
+}
+
 // A wire to which no address belongs: nothing is answered, and nothing is refused. Each address is in the file twice.
 TEST_F(HostNames, all_addresses_of_a_name_are_tried_even_if_many_do_not_answer) {
     const Namespace here, there;

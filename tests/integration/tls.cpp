@@ -2,7 +2,7 @@
 #include <http/client/certificate.hpp>
 #include <link/tcp/tcp_keys.hpp>
 #include <link/tcp/tls_context.hpp>
-#include <support/early_certificate.hpp>
+#include <support/changed_certificate.hpp>
 #include <support/http.hpp>
 #include <support/key_updates.hpp>
 #include <support/leased_file.hpp>
@@ -526,6 +526,20 @@ TEST_F(Tls, the_client_of_openssl_connects) {
     EXPECT_TRUE(ground->until([&] { return client.output().find("\xAB\xDC") != std::string::npos; })) << client.output();
 }
 
+// Security level 0, so that the client is able to use the older versions at all.
+TEST_F(Tls, versions_1_2_and_1_3_are_accepted_and_older_ones_refused) {
+    listen(ca());
+    const std::string client = "timeout 10 openssl s_client -brief -cipher ALL:@SECLEVEL=0 -connect localhost:" +
+                               std::to_string(ground->port("l")) + " -CAfile " + (dir / "ca.pem") + " -cert " +
+                               (dir / "vehicle.pem") + " -key " + (dir / "vehicle-key.pem");
+    for (const auto& [option, is_accepted] :
+         {std::pair{"-tls1_1", false}, std::pair{"-tls1_2", true}, std::pair{"-tls1_3", true}}) {
+        Process asks{"/bin/sh", {"-c", "sleep 60 | exec " + client + " " + option + " 2>&1"}};
+        const std::string wanted = is_accepted ? "CONNECTION ESTABLISHED" : "alert protocol version";
+        EXPECT_TRUE(ground->until([&] { return asks.output().find(wanted) != std::string::npos; })) << option << asks.output();
+    }
+}
+
 TEST_F(Tls, connects_to_a_listening_socat) {
     const std::string listener = "OPENSSL-LISTEN:0,bind=127.0.0.1,cert=" + (dir / "gateway.pem") +
                                  ",key=" + (dir / "gateway-key.pem") + ",cafile=" + (dir / "ca.pem") + ",verify=1";
@@ -556,10 +570,10 @@ TEST_F(Tls, days_until_the_certificate_expires_are_counted) {
     using anogate::TlsContext;
     const auto none = TlsContext::read({}, TlsContext::Side::connects);
     ASSERT_TRUE(none);
-    EXPECT_FALSE((*none)->days_left());
+    EXPECT_FALSE((*none)->validity().days_left);
     const auto one = TlsContext::read({dir / "vehicle.pem", dir / "vehicle-key.pem", {}, {}}, TlsContext::Side::connects);
     ASSERT_TRUE(one);
-    EXPECT_NEAR(static_cast<double>((*one)->days_left().value_or(0)), 823, 1);
+    EXPECT_NEAR(static_cast<double>((*one)->validity().days_left.value_or(0)), 823, 1);
 }
 
 }    // namespace

@@ -35,6 +35,8 @@ void write_difference(const Json& answer, std::ostream& out) {
         out << text_at(link, "name") << ": " << text_at(link, "change") << '\n';
         write_lines(at(link, "differences"), out);
     }
+    for (const Json& file : at(answer, "files"))
+        if (file.is_string()) out << "read again: " << without_controls(file.get<std::string>()) << '\n';
     if (!at(answer, "gateway").empty()) out << "gateway: changed\n";
     write_lines(at(answer, "gateway"), out);
     if (same > 0) out << same << (same == 1 ? " link unchanged\n" : " links unchanged\n");
@@ -87,13 +89,13 @@ private:
 
     void print_result(const Json& came, std::ostream& out) const {
         const bool changed = text_at(came, "changed") == "true";
-        if (const std::string fault = text_at(came, "http_error"); !fault.empty())
-            out << "HTTP interface off: " << without_controls(fault) << '\n';
+        const std::string fault = text_at(came, "http_error");
+        if (!fault.empty()) out << "HTTP interface off: " << without_controls(fault) << '\n';
         if (changed) write_difference(came, out);
         if (const Json& later = at(came, "needs_restart"); !later.empty()) {
             out << "at the next start:\n";
             write_lines(later, out);
-        } else if (!changed) {
+        } else if (!changed && fault.empty()) {
             out << "no changes\n";
         }
         if (!changed) return;

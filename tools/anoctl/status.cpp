@@ -106,15 +106,19 @@ struct Verdict {
     std::string text = "ok";
 };
 
-// Hints that need no action: a host may only receive, or connect later.
+// Hints of what works: a host may only receive, or connect later; a certificate is valid until it expires.
 bool is_calm(const std::string& hint) {
-    return hint == "no_host_takes" || hint == "no_peer_yet" || hint == "clients_without_frame" || hint == "recording_ended";
+    return hint == "no_host_takes" || hint == "no_peer_yet" || hint == "clients_without_frame" || hint == "recording_ended" ||
+           hint == "certificate_expires";
 }
 
 // Degraded: vehicles lost while unlocked, links that are down, have an expired or unusable certificate or a hint, conflicts of addresses,
-// recordings that fail, an HTTP interface that is off.
+// recordings that fail, an HTTP interface that is off or has an expired certificate or a hint.
 Verdict verdict_of(const Json& status) {
-    std::size_t links = 0, down = 0, expired = 0, unusable = 0, hints = text_at(at(status, "http"), "hint").empty() ? 0 : 1;
+    const Json& http = at(status, "http");
+    const std::string http_hint = text_at(http, "hint_id");
+    std::size_t links = 0, down = 0, unusable = 0, expired = number_at(http, "certificate_days") < 0 ? 1 : 0,
+                hints = http_hint.empty() || is_calm(http_hint) ? 0 : 1;
     for (const Json& link : at(status, "links")) {
         if (text_at(link, "error_id") == "disabled") continue;
         ++links;
@@ -134,7 +138,7 @@ Verdict verdict_of(const Json& status) {
         what += (what.empty() ? "" : ", ") + plural(conflicts, "conflict");
     else if (hints > 0) what += (what.empty() ? "" : ", ") + plural(hints, "hint");
     if (unusable > 0) what += (what.empty() ? "" : ", ") + plural(unusable, "unusable certificate");
-    if (!text_at(at(status, "http"), "error").empty()) what += (what.empty() ? "" : ", ") + std::string{"http"};
+    if (!text_at(http, "error").empty()) what += (what.empty() ? "" : ", ") + std::string{"http"};
     const Json& running = at(at(status, "recording"), "running");
     if (std::any_of(running.begin(), running.end(), [](const Json& one) { return !text_at(one, "error").empty(); }))
         what += (what.empty() ? "" : ", ") + std::string{"recording"};

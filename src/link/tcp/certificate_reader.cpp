@@ -107,6 +107,8 @@ Opened<std::shared_ptr<TlsConnection>> CertificateReader::connection(int fd, con
     return in_use_->connection(fd, host);
 }
 
-std::optional<std::int64_t> CertificateReader::days_left() const { return has_usable() ? in_use_->days_left() : std::nullopt; }
+std::optional<std::int64_t> CertificateReader::days_left() const {
+    return has_usable() ? in_use_->validity().days_left : std::nullopt;
+}
 
 }    // namespace anogate

@@ -40,7 +40,7 @@ public:
     bool has_usable() const noexcept { return in_use_ != nullptr; }
     /// nullptr: none yet.
     const TlsContext* in_use() const noexcept { return in_use_.get(); }
-    /// As TlsContext::days_left(), of the files in use.
+    /// Until the certificate in use expires, as in CertificateValidity.
     std::optional<std::int64_t> days_left() const;
 
 private:

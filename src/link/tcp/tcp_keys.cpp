@@ -22,16 +22,11 @@ void check_pair(const LinkCertificates& files, LinkFaults& faults) {
 }
 
 LinkError validity_trouble(const TlsContext& context) {
-    constexpr std::int64_t soon = 14;
-    if (!context.is_valid_yet())
-        return {"tls", "the certificate of this link is not valid yet: check the clock of this computer, or replace it", {}};
-    const auto days_left = context.days_left();
-    if (!days_left || *days_left > soon) return {};
-    const std::string days = std::to_string(*days_left);
-    if (*days_left < 0) return {"certificate_expires", "the certificate of this link has expired: replace it", {{"days", days}}};
-    return {"certificate_expires",
-            "the certificate of this link expires in " + days + (days == "1" ? " day" : " days") + ": replace it",
-            {{"days", days}}};
+    const CertificateValidity validity = context.validity();
+    const std::string warning = validity.warning("the certificate of this link");
+    if (warning.empty()) return {};
+    if (!validity.has_begun) return {"tls", warning, {}};
+    return {"certificate_expires", warning, {{"days", std::to_string(*validity.days_left)}}};
 }
 
 LinkError tls_trouble(const CertificateReader& certificates) {

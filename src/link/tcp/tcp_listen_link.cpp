@@ -501,9 +501,8 @@ constexpr auto tls_listen_keys = with_v7(own_tls_listen_keys, v7_rows<TcpListen>
 
 void validate_tcp_listener(const LinkSettings& link, LinkFaults& faults) {
     if (link.hello && *link.hello != Duration{})
-        faults.error("hello",
-                     "'hello' is not possible on tcp-listen, where the device connects; for a device at a known address use "
-                     "tcp:HOST:PORT,hello=on");
+        faults.error("hello", "'hello' is not possible where the device connects; for a device at a known address use " +
+                                  std::string{link.kind->encrypts ? "tls" : "tcp"} + ":HOST:PORT,hello=on");
     const TcpListen& listen = link.as<TcpListen>();
     if (faults.is_whole()) check_tcp_address(listen.local, faults);
     check_per_address(listen.max_per_address, listen.max_peers, faults);

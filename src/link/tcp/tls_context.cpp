@@ -301,16 +301,6 @@ Opened<std::shared_ptr<TlsConnection>> TlsContext::connection(int fd, const std:
     return std::make_shared<TlsConnection>(std::move(parts));
 }
 
-std::optional<std::int64_t> TlsContext::days_left() const {
-    const X509* const certificate = ::SSL_CTX_get0_certificate(parts_->context.get());
-    int days = 0, seconds = 0;
-    if (!certificate || ::ASN1_TIME_diff(&days, &seconds, nullptr, ::X509_get0_notAfter(certificate)) != 1) return std::nullopt;
-    return days < 0 || seconds < 0 ? days - 1 : days;
-}
-
-bool TlsContext::is_valid_yet() const {
-    const X509* const certificate = ::SSL_CTX_get0_certificate(parts_->context.get());
-    return !certificate || ::X509_cmp_current_time(::X509_get0_notBefore(certificate)) <= 0;
-}
+CertificateValidity TlsContext::validity() const { return validity_of(::SSL_CTX_get0_certificate(parts_->context.get())); }
 
 }    // namespace anogate

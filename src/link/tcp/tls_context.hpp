@@ -2,13 +2,13 @@
 #pragma once
 #include <link/link_error.hpp>
 #include <link/tcp/tcp_settings.hpp>
+#include <sys/certificate_validity.hpp>
 
 #include <sys/types.h>
 #include <sys/uio.h>
 
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <span>
 #include <string>
 
@@ -57,10 +57,8 @@ public:
 
     /// For a connected socket. `host`: the name or address that the other end's certificate must have; empty: any.
     Opened<std::shared_ptr<TlsConnection>> connection(int fd, const std::string& host) const;
-    /// Full days until our certificate expires, negative if it has expired; std::nullopt: no certificate.
-    std::optional<std::int64_t> days_left() const;
-    /// False: the validity of our certificate begins later.
-    bool is_valid_yet() const;
+    /// Of our certificate.
+    CertificateValidity validity() const;
 
 private:
     struct Parts;

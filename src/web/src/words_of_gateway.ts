@@ -85,7 +85,7 @@ export const errors: Record<string, string> = {
   no_such_host: "无法解析主机名 {host}，稍后重试",
   moved: "{host} 的地址已改变，正在使用新地址",
   certificate_unusable: "证书文件不可用（{why}）；改正之前继续使用原来的证书",
-  certificate_expires: "证书将在 {days} 天后到期：请更换",
+  certificate_expires: "证书还有 {days} 天到期（负数为已过期）：请更换",
   closed_by_peer: "{peer} 关闭了连接",
   peer_silent: "{peer} 长时间没有确认数据：线路已中断",
   no_way: "目前没有到 {address} 的路由",

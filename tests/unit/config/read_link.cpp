@@ -502,6 +502,21 @@ TEST(LinkText, a_tcp_peer_is_a_host_and_a_port) {
     EXPECT_NE(fault_of("tls:0.0.0.0:5").find("use tls-listen:0.0.0.0:5"), std::string::npos);
 }
 
+TEST(LinkText, every_kind_over_tcp_has_the_keys_of_links) {
+    const std::string keys =
+        ",group=g,limit.0xF1=10,profile=vendor,gap=2ms,rate=9000,id=7,flood=no,queue=1000,age.rest=2s,manage=yes,send.deny=bulk";
+    for (const std::string kind : {"tcp:192.168.4.1:23", "tls:192.168.4.1:23", "tcp-listen:0.0.0.0:23",
+                                   "tls-listen:0.0.0.0:23,verify=none,certificate=/c,key=/k"}) {
+        const LinkSettings link = link_of(kind + keys);
+        EXPECT_EQ(link.group, "g") << kind;
+        EXPECT_EQ(link.id, 7) << kind;
+        EXPECT_EQ(faults_of({kind + keys, "serial:/dev/x,group=g,manage=yes"}), "") << kind;
+    }
+    EXPECT_EQ(faults_of({"tls:192.168.4.1:23,hello=on"}), "");
+    EXPECT_EQ(fault_of("tls-listen:0.0.0.0:23,verify=none,certificate=/c,key=/k,hello=on"),
+              "'hello' is not possible where the device connects; for a device at a known address use tls:HOST:PORT,hello=on");
+}
+
 TEST(LinkText, a_tcp_listener_has_a_local_address_of_one_host) {
     for (const std::string kind : {"tcp-listen:", "tls-listen:"}) {
         const std::string files = kind == "tcp-listen:" ? "" : ",verify=none,certificate=/c,key=/k";

@@ -2,7 +2,7 @@
 #include <config/config.hpp>
 #include <daemon/command_line.hpp>
 #include <http/client/certificate.hpp>
-#include <support/early_certificate.hpp>
+#include <support/changed_certificate.hpp>
 #include <support/files.hpp>
 #include <support/temp_dir.hpp>
 

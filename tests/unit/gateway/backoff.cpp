@@ -16,6 +16,15 @@ TEST(Backoff, retries_at_once_then_doubles_up_to_a_second) {
     }
 }
 
+TEST(Backoff, of_a_peer_in_a_network_doubles_up_to_five_seconds) {
+    Backoff backoff{Backoff::network};
+    ano::TimePoint now{};
+    for (const auto pause : {0ms, 100ms, 200ms, 400ms, 800ms, 1600ms, 3200ms, 5000ms, 5000ms}) {
+        EXPECT_EQ(backoff.retry_at(now), now + pause);
+        now += pause;
+    }
+}
+
 TEST(Backoff, starts_over_after_a_second_up) {
     Backoff backoff;
     ano::TimePoint now{};

@@ -21,6 +21,13 @@ struct TcpOptions : testing::Test {
     const anogate::UniqueFd fd{::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)};
 };
 
+TEST_F(TcpOptions, send_small_frames_at_once_and_limit_what_waits_in_the_kernel) {
+    anogate::set_tcp_options(fd.get(), 10s);
+    EXPECT_EQ(option(IPPROTO_TCP, TCP_NODELAY), 1);
+    EXPECT_EQ(option(IPPROTO_TCP, TCP_NOTSENT_LOWAT), 4096);
+    EXPECT_EQ(option(SOL_SOCKET, SO_SNDBUF), 64 * 1024) << "with the kernel's own data";
+}
+
 TEST_F(TcpOptions, end_a_silent_connection_after_the_time_that_is_set) {
     anogate::set_tcp_options(fd.get(), 10s);
     EXPECT_EQ(option(SOL_SOCKET, SO_KEEPALIVE), 1);

@@ -70,6 +70,7 @@ TEST(Metrics, has_the_state_of_links_and_of_the_gateway) {
     snapshot.uptime_s = 12.5;
     snapshot.conflicts = 2;
     snapshot.evicted = 5;
+    snapshot.certificate_days = 3;
     snapshot.routes = {{"own", 1}, {"learned", 3}};
     snapshot.links = {link_called("fc", {""}), link_called("ground")};
     snapshot.links[0].up = true;
@@ -83,7 +84,8 @@ TEST(Metrics, has_the_state_of_links_and_of_the_gateway) {
     const std::string text = metrics(snapshot, MetricsForm::prometheus);
     for (const char* line :
          {"anogate_build_info{version=\"1.2.3\"} 1", "anogate_uptime_seconds 12.5", "anogate_conflicts 2",
-          "anogate_connections_gave_way_total 5", "anogate_routes{via=\"own\"} 1", "anogate_routes{via=\"learned\"} 3",
+          "anogate_connections_gave_way_total 5", "anogate_http_certificate_expires_seconds 259200",
+          "anogate_routes{via=\"own\"} 1", "anogate_routes{via=\"learned\"} 3",
           "anogate_link_info{link=\"fc\",kind=\"udp-listen\",id=\"7\"} 1", "anogate_link_up{link=\"fc\"} 1",
           "anogate_link_up{link=\"ground\"} 0", "anogate_link_state_seconds{link=\"fc\"} 3",
           "anogate_link_channels{link=\"fc\"} 1", "anogate_link_certificate_expires_seconds{link=\"fc\"} 1123200",
