@@ -116,9 +116,9 @@ http::Response response_of(TaskPool& disk, UniqueFd file, const Wanted& wanted, 
 }    // namespace
 
 http::Response served(TaskPool& disk, const http::Request& request, ServedFile file) {
-    if (descriptors_left() == 0) return http::try_again(ano::Fault{"few_descriptors"});
     const Wanted wanted{std::string{request.header("Range")}, std::string{request.header("If-Range")}};
     return answer_from(disk, [&disk, wanted, file = std::move(file)] {
+        if (descriptors_left() == 0) return http::try_again(ano::Fault{"few_descriptors"});
         auto opened = file.open();
         if (auto* instead = std::get_if<http::Response>(&opened)) return std::move(*instead);
         return response_of(disk, std::move(std::get<UniqueFd>(opened)), wanted, file);

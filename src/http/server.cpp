@@ -242,7 +242,8 @@ bool Server::has_place(Quota& quota) {
         if (const auto leaves = descriptors_left() == 0 ? connection_to_close(*one, one->connections()) : std::nullopt)
             send_away(*one, *leaves);
     const std::vector<ClientConnection> all = quota.connections();
-    return descriptors_left() > 0 && (!is_full(quota, all.size()) || connection_to_close(quota, all));
+    const bool has_descriptor = descriptors_left() > 0 || (&quota == &local_ && may_use_reserved_descriptor());
+    return has_descriptor && (!is_full(quota, all.size()) || connection_to_close(quota, all));
 }
 
 // The number of handshakes that wait for their turn, of all clients or of one.

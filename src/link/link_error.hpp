@@ -37,6 +37,10 @@ inline LinkError all_channels_used() {
             {}};
 }
 
+inline LinkError no_descriptor() {
+    return {"no_descriptor", "too few file descriptors are left to open it: raise LimitNOFILE= of the service, or ulimit -n", {}};
+}
+
 struct LinkErrorId {
     std::string_view id;
     std::string_view arguments;    // names, separated by spaces
@@ -56,6 +60,7 @@ inline constexpr LinkErrorId link_error_ids[] = {
     {"bus_off", "interface", "the CAN controller has left the bus after too many errors"},
     {"not_can", "interface", "it is not a CAN interface"},
     {"no_can_fd", "interface", "the interface is not set up for CAN FD"},
+    {"no_descriptor", "", "too few file descriptors are left to open it (ulimit -n, LimitNOFILE=)"},
     {"no_kernel_support", "what", "the kernel does not support such sockets"},
     {"no_address", "address", "no network interface has the local address"},
     {"port_in_use", "port", "another program is using the port"},

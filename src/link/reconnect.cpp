@@ -1,5 +1,6 @@
 #include <link/link_context.hpp>
 #include <link/reconnect.hpp>
+#include <sys/descriptors_left.hpp>
 
 #include <random>
 
@@ -30,6 +31,7 @@ void Reconnect::stop() noexcept {
 void Reconnect::try_now() {
     if (stopped_) return;
     retry_.cancel();
+    if (descriptors_left() == 0) return lost(no_descriptor());
     if (auto begun = open_(); !begun) lost(std::move(begun.error()));
 }
 

@@ -22,7 +22,7 @@ inline constexpr ano::Duration retry_slack = std::chrono::milliseconds{250};
 ///          stop()        → nothing is opened any more
 class Reconnect {
 public:
-    /// Begins to open, or returns why that is not possible now.
+    /// Begins to open, or returns why that is not possible now. Not called while only descriptors for the gateway's own work are left.
     using Open = std::function<Opened<void>()>;
     /// Called after each failed try, and when the connection is lost.
     using Down = std::function<void(LinkError why)>;

@@ -35,6 +35,11 @@ struct V7LinkSettings {
     V7Settings translation() const;
 };
 
+/// Whether a frame with this V7 id is a command of a host program: remote and realtime control, a waypoint, a command or a write.
+inline bool is_v7_command_of_host(const V7LinkSettings& v7, std::uint8_t id) noexcept {
+    return v7.role == V7Role::host && (id == 0x40 || id == 0x41 || id == 0x61 || id == 0xE0 || id == 0xE2);
+}
+
 /// "0x51:0xDE", or "0xF1-0xFA:0xDB"; std::nullopt: neither.
 std::optional<V7Source> parse_v7_source(std::string_view text);
 /// The table of `params`; none for "none". Returns the error, or "". May block on the disk.

@@ -11,18 +11,19 @@ namespace anogate {
 namespace {
 
 constexpr std::size_t for_own_work = 6, for_links = 16, for_peers = 64;
-constexpr std::size_t most_counted = 256;    // a higher count decides nothing
+constexpr std::size_t for_own_files = 4;    // of those for own work: to read the configuration in a thread
+constexpr std::size_t enough = 256;         // a higher number decides nothing
 
 std::size_t most_descriptors() noexcept {
     rlimit limit{};
     return ::getrlimit(RLIMIT_NOFILE, &limit) == 0 ? limit.rlim_cur : 0;
 }
 
-/// The free numbers in [first, last).
+/// The free numbers in [first, last), counted until they are enough.
 std::size_t free_numbers(std::size_t first, std::size_t last) noexcept {
     std::array<pollfd, 128> some{};
     std::size_t free = 0;
-    while (first < last) {
+    while (first < last && free < enough) {
         const std::size_t count = std::min(some.size(), last - first);
         for (std::size_t i = 0; i < count; ++i) some[i] = {static_cast<int>(first + i), 0, 0};
         if (::poll(some.data(), count, 0) < 0) return free;
@@ -33,17 +34,23 @@ std::size_t free_numbers(std::size_t first, std::size_t last) noexcept {
     return free;
 }
 
-}    // namespace
-
 // A new descriptor gets the lowest free number; higher ones may be in use.
-std::size_t descriptors_left() noexcept {
+std::size_t free_descriptors() noexcept {
     const int next = ::dup(STDERR_FILENO);
     if (next < 0) return 0;
     ::close(next);
     const auto first = static_cast<std::size_t>(next);
-    const std::size_t free = free_numbers(first, std::min(most_descriptors(), first + most_counted));
+    return free_numbers(first, most_descriptors());
+}
+
+}    // namespace
+
+std::size_t descriptors_left() noexcept {
+    const std::size_t free = free_descriptors();
     return free - std::min(free, for_own_work);
 }
+
+bool may_use_reserved_descriptor() noexcept { return free_descriptors() > for_own_files; }
 
 bool can_open_descriptors() noexcept {
     const int next = ::dup(STDERR_FILENO);

@@ -8,6 +8,9 @@ namespace anogate {
 /// gateway itself, such as reading its configuration.
 std::size_t descriptors_left() noexcept;
 
+/// Whether a client of this computer may use one of the reserved descriptors, for a short request: enough for such work stay free.
+bool may_use_reserved_descriptor() noexcept;
+
 /// False if the program, the system or the memory allows no further descriptor: a file that can't be read now may be without fault.
 bool can_open_descriptors() noexcept;
 

@@ -254,6 +254,38 @@ TEST(FewDescriptors, all_used_by_peers_and_clients_leave_those_of_status_and_rel
     EXPECT_EQ(daemon.status()["http"]["state"], "up") << daemon.output();
 }
 
+// Those of a tcp-listen link are taken first, then those of new links, and more links wait.
+TEST(FewDescriptors, used_up_by_peers_and_new_links_leave_those_of_status_and_reload) {
+    TempDir dir;
+    const auto config = [&](int ports) {
+        std::string links = R"("tcp-listen:127.0.0.1:0,name=tcp,max_peers=60,max_per_address=60")";
+        for (int i = 0; i < ports; ++i) links += ", \"pty:" + (dir / ("port" + std::to_string(i))) + "\"";
+        return dir.write("anogate.json", R"({"links": [)" + links + "]}");
+    };
+    Daemon daemon{ANOGATED, dir / "control.sock", {"--config", config(0)}, {}, [] {
+                      const rlimit few{48, 48};
+                      ::setrlimit(RLIMIT_NOFILE, &few);
+                  }};
+    ASSERT_TRUE(daemon.until_answers()) << daemon.output();
+    const Bytes command = frame(0xFE, 0xDC, 0xC0, {16, 1, 0});
+    Crowd peers;
+    for (int i = 0; i < 60; ++i) peers.add(connect_tcp(daemon.port("tcp")), {command.begin(), command.end()});
+    ASSERT_TRUE(wait_until([&] { return peers.answered() >= 10; }));
+    const auto asks = [&](const std::string& line) {
+        return http(dir / "control.sock", line + " HTTP/1.0\r\nContent-Length: 0\r\n\r\n", patience).substr(0, 12);
+    };
+    for (const int ports : {2, 16, 16, 0}) {
+        config(ports);
+        EXPECT_EQ(asks("POST /reload"), "HTTP/1.0 200") << ports;
+        for (int i = 0; i < 5; ++i) EXPECT_EQ(asks("GET /status"), "HTTP/1.0 200") << ports;
+        if (ports == 2) {
+            EXPECT_TRUE(daemon.until([](const nlohmann::json& status) {
+                return status.is_object() && status.at("links").at(2).at("error_id") == "nobody_there";
+            })) << daemon.status()["links"];
+        }
+    }
+}
+
 TEST(FewDescriptors, are_used_for_tcp_peers_before_clients_of_the_control_interface) {
     constexpr std::size_t hosts = 16;
     const Bytes command = frame(0xFE, 0xDC, 0xC0, {16, 1, 0});

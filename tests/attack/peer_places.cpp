@@ -4,6 +4,7 @@
 #include <support/namespaces.hpp>
 #include <support/running_gateway.hpp>
 #include <support/udp_peer.hpp>
+#include <support/v7_vectors.hpp>
 #include <support/vendor_frames.hpp>
 
 #include <gtest/gtest.h>
@@ -95,6 +96,22 @@ TEST_F(Strangers, that_only_listen_leave_quota_for_an_operator) {
     EXPECT_EQ(places(), 12u);
     EXPECT_EQ(seven_commands(stranger(40)), 7u);
     EXPECT_TRUE(daemon->counters_add_up());
+}
+
+TEST_F(Strangers, that_only_ask_leave_quota_for_a_v7_host_program_that_commands) {
+    auto link = udp_listen("ground", "0.0.0.0:0");
+    auto& v7 = link.as<anogate::UdpListenSettings>().v7;
+    v7.protocol = anogate::LinkProtocol::v7;
+    v7.role = anogate::V7Role::host;
+    v7.device = 0xDC;
+    start(link);
+    for (int i = 0; i < 16; ++i) stranger(10 + i).send(to(), v7_frame(0xFF, 0xE1, {1, 0}));
+    ASSERT_TRUE(until([&] { return places() + daemon->count("ground", "denied_in") == 16; }));
+    EXPECT_EQ(places(), 12u);
+    fc->forget();
+    stranger(40).send(to(), v7_frame(0xFF, 0xE0, {16, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0}));
+    EXPECT_TRUE(until([&] { return places() == 13 || daemon->count("ground", "denied_in") > 4; }));
+    EXPECT_EQ(places(), 13u);
 }
 
 TEST_F(Strangers, that_send_unrequested_frames_leave_quota_for_an_operator) {

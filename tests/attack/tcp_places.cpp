@@ -136,6 +136,16 @@ TEST_F(TcpStrangers, that_sent_a_frame_leave_places_for_a_host_that_commands) {
     EXPECT_TRUE(until([&] { return channels("air") == 13; }));
 }
 
+TEST_F(TcpStrangers, that_sent_a_frame_leave_places_for_a_host_that_commands_beside_those_for_trusted_ones) {
+    start({"tcp-listen:10.0.0.1:0,name=air,trusted=10.0.0.60/32"});
+    connect_strangers("air", 16, asks);
+    ASSERT_TRUE(until([&] { return daemon->count("air", "denied_in") == 4; }));
+    TcpPeer pilot = connect(50, "air");
+    pilot.send(commands);
+    EXPECT_TRUE(until([&] { return channels("air") == 13 || daemon->count("air", "denied_in") > 4; }));
+    EXPECT_EQ(channels("air"), 13u);
+}
+
 TEST_F(TcpStrangers, with_many_addresses_of_an_ipv6_network_count_as_one) {
     start({"tcp-listen:[fd00::1]:0,name=air"});
     const std::string to = "[fd00::1]:" + std::to_string(daemon->port("air"));

@@ -235,6 +235,25 @@ TEST_F(TwoVehicles, are_not_joined_by_a_thousand_forged_frames) {
     EXPECT_FALSE(one->has_peer(two->ground()));
 }
 
+// Their questions are answered, and use up nothing that a question of the other gateway needs.
+TEST_F(TwoVehicles, are_not_joined_by_a_forged_frame_among_questions_of_strangers) {
+    start();
+    {
+        const Inside inside{*there};
+        for (std::uint16_t n = 0; n < 300; ++n)
+            for (Vehicle* const vehicle : {one.get(), two.get()}) {
+                const auto question = anogate::frame_of({anogate::ListeningNotice::Kind::question, n + 1u});
+                send_forged({anogate::IpAddress::v4(10, 0, 0, 3), static_cast<std::uint16_t>(20000 + n)}, vehicle->ground(),
+                            Bytes(question.begin(), question.end()));
+                turn();
+            }
+    }
+    forge_from_two(frame(0xFE, 0xFF, 0xE0, {0, 0, 0}));
+    fly();
+    EXPECT_EQ(one->carried_out(0xC0, 2), 0u);
+    EXPECT_EQ(two->carried_out(0xC0, 1), 0u);
+}
+
 TEST_F(TwoVehicles, the_very_first_command_is_carried_out_only_by_the_vehicle_it_was_sent_to) {
     start();
     forge_from_one(frame(0xFE, 0xFF, 0xE0, {0, 0, 0}));

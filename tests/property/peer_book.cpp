@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <map>
+#include <tuple>
 #include <vector>
 
 namespace peer_book_tests {
@@ -25,7 +26,8 @@ struct Model {
         bool host = false;
         TimePoint heard, first;
         bool once = true;
-        bool returned = false;               // it sent in a later exchange too
+        bool returned = false;    // it sent in a later exchange too
+        bool trusted = false, commands = false;
         std::vector<TimePoint> refused{};    // since it was last heard
     };
     std::map<ChannelId, Peer> peers;
@@ -37,22 +39,25 @@ struct Model {
     static bool is_brief(const Peer& p) { return p.near && (p.host ? !p.returned : p.once); }
     ChannelSet overdue(TimePoint now) const {
         ChannelSet result;
-        std::map<std::string, std::vector<std::pair<TimePoint, ChannelId>>> listeners;    // silent ones, by address
-        std::vector<std::pair<TimePoint, ChannelId>> brief;
+        std::map<std::string, std::vector<std::tuple<bool, TimePoint, ChannelId>>> listeners;    // silent ones, by address
+        std::vector<std::tuple<int, TimePoint, ChannelId>> brief;
         for (const auto& [id, p] : peers) {
             const Duration silent = now - p.heard, patience = is_brief(p) ? Duration{10s} : timeout;
             const bool listens = p.near && p.host;
             if (dead(p) || silent >= (listens ? Duration{1h} : patience)) result.insert(id);
-            if (listens && !dead(p) && silent >= patience) listeners[p.address.text()].push_back({p.heard, id});
+            if (listens && !dead(p) && silent >= patience) listeners[p.address.text()].push_back({p.returned, p.heard, id});
         }
         for (auto& [address, all] : listeners) {
             std::sort(all.rbegin(), all.rend());
-            for (std::size_t i = 2; i < all.size(); ++i) result.insert(all[i].second);
-            for (std::size_t i = 0; i < std::min<std::size_t>(2, all.size()); ++i)
-                if (!peers.at(all[i].second).returned) brief.push_back(all[i]);
+            for (std::size_t i = 2; i < all.size(); ++i) result.insert(std::get<ChannelId>(all[i]));
+            for (std::size_t i = 0; i < std::min<std::size_t>(2, all.size()); ++i) {
+                const auto [returned, heard, id] = all[i];
+                const Peer& p = peers.at(id);
+                if (!returned) brief.push_back({p.trusted ? 0 : p.commands ? 1 : 2, heard, id});
+            }
         }
         std::sort(brief.begin(), brief.end());
-        for (std::size_t i = 8; i < brief.size(); ++i) result.insert(brief[i].second);
+        for (std::size_t i = 8; i < brief.size(); ++i) result.insert(std::get<ChannelId>(brief[i]));
         return result;
     }
 };
@@ -71,8 +76,10 @@ TEST(PeerBook, lists_the_overdue_peers_after_any_input) {
                 const Endpoint endpoint{
                     IpAddress::v4(10, 0, 0, static_cast<std::uint8_t>(random.below(random.one_in(2) ? 3u : 12u))), 5000};
                 const bool near = !random.one_in(4);
-                book.add(id, endpoint, near, now);
+                const bool trusted = random.one_in(5);
+                book.add(id, endpoint, near, now, trusted ? PeerBook::Rank::trusted : PeerBook::Rank::ordinary);
                 model.peers[id] = {endpoint.address, near, false, now, now};
+                model.peers[id].trusted = trusted;
             } else if (random.one_in(3)) {
                 const auto source = random.of<std::uint8_t>({0xFE, 0xD2, 0xDC, 0x20});
                 if (random.one_in(2)) {
@@ -84,6 +91,10 @@ TEST(PeerBook, lists_the_overdue_peers_after_any_input) {
                 model.peers[id].returned |= now - model.peers[id].first >= 1s;
                 model.peers[id].host |= source == 0xFE || source == 0xD2;
                 model.peers[id].refused.clear();
+                if (source == 0xFE && random.one_in(3)) {
+                    book.commanded(id, now);
+                    model.peers[id].commands = true;
+                }
             } else if (random.one_in(2)) {
                 model.peers[id].refused.push_back(now);
                 ASSERT_EQ(book.refused(id, now), Model::dead(model.peers[id])) << seed << " " << step;

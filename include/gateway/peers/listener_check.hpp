@@ -31,17 +31,20 @@ public:
     /// A refused endpoint that does not answer this number of questions in a row, one per second, is no longer a listening
     /// gateway.
     static constexpr int unanswered_enough = 5;
-    static constexpr std::uint32_t max_answers_a_second = 20;
+    /// An answer is as long as its question and needs no row, so each question is answered. Questions back to endpoints without a row
+    /// are limited, so that strangers neither get more than they send nor replace the rows of suspects.
+    static constexpr std::uint32_t max_strangers_a_second = 20;
 
     /// `random` returns unpredictable numbers.
     explicit ListenerCheck(std::function<std::uint64_t()> random) : random_{std::move(random)} {}
 
     /// The question for a suspect, if it is due: immediately, 1 s and 4 s later, and then once per minute.
     std::optional<ListeningNotice> question(const Endpoint& suspect, TimePoint now);
-    /// The question for an endpoint that asked us, or that is refused and still sends: one per second.
+    /// The question for an endpoint that asked us, or that is refused and still sends: one per second, and not to more than
+    /// max_strangers_a_second new endpoints.
     std::optional<ListeningNotice> question_back(const Endpoint& there, TimePoint now);
 
-    /// A question of `from` was received. Returns the answer, unless there were too many. Its frames are not accepted until the
+    /// A question of `from` was received. Returns the answer, unless the question is our own. Its frames are not accepted until the
     /// check is over.
     std::optional<ListeningNotice> asked(const Endpoint& from, std::uint64_t number, TimePoint now);
     /// An answer of `from` was received. True: it is a listening gateway, and refused from now on.
@@ -75,14 +78,15 @@ private:
     const Suspect* find(const Endpoint& endpoint) const noexcept;
     Suspect* find(const Endpoint& endpoint) noexcept;
     Suspect& row(const Endpoint& endpoint, TimePoint now) noexcept;
+    bool may_ask_stranger(TimePoint now) noexcept;
     ListeningNotice ask(Suspect& suspect, TimePoint now);
     void suspend(const Endpoint& endpoint, TimePoint now) noexcept;
 
     std::function<std::uint64_t()> random_;
     std::array<Suspect, max_suspects> suspects_;
     std::array<Suspension, max_suspects> suspensions_;
-    TimePoint answers_since_{};
-    std::uint32_t answers_ = 0;
+    TimePoint asked_since_{};
+    std::uint32_t asked_strangers_ = 0;
 };
 
 }    // namespace anogate

@@ -50,7 +50,8 @@ public:
     static constexpr Duration listener_stays = std::chrono::hours{1};
     /// A peer in our own networks that sent a single datagram is removed after this time, because its source may be forged. A
     /// host stays, since some hosts only receive. After this time at most max_silent_of_address of them stay per address, and
-    /// max_listeners of those that sent within one exchange in all. Loopback addresses can't be forged.
+    /// max_listeners of those that sent within one exchange in all: trusted ones before those that command, and these before others.
+    /// Loopback addresses can't be forged.
     static constexpr Duration once_stays = std::chrono::seconds{10};
     static constexpr std::size_t max_listeners = 8;
     /// Maximum of silent hosts per address: a program that restarts has another port, and frames to the old port are lost.
@@ -120,7 +121,8 @@ public:
     /// ICMP reported a closed port. Returns whether the peer is overdue now.
     bool refused(ChannelId id, TimePoint now) noexcept;
 
-    /// The peer that frees its channel for a peer of rank `to` on another link, see LinkHost::make_channel_free().
+    /// The peer that frees its channel for a peer of rank `to` on another link, see LinkHost::make_channel_free(): the longest silent
+    /// ordinary one; for a trusted peer, one that commands if there is none.
     std::optional<ChannelId> longest_silent(Rank to, TimePoint now) const noexcept;
     /// The peers to be removed now.
     ChannelSet overdue(TimePoint now) const noexcept;

@@ -22,6 +22,7 @@ std::optional<ListeningNotice> ListenerCheck::question(const Endpoint& suspect, 
 }
 
 std::optional<ListeningNotice> ListenerCheck::question_back(const Endpoint& there, TimePoint now) {
+    if (!find(there) && !may_ask_stranger(now)) return std::nullopt;
     Suspect& s = row(there, now);
     if (s.asks > 0 && now - s.asked_at < between_questions_back) return std::nullopt;
     if (s.refused && ++s.unanswered > unanswered_enough) {
@@ -29,6 +30,14 @@ std::optional<ListeningNotice> ListenerCheck::question_back(const Endpoint& ther
         return std::nullopt;
     }
     return ask(s, now);
+}
+
+bool ListenerCheck::may_ask_stranger(TimePoint now) noexcept {
+    if (now - asked_since_ >= 1s) {
+        asked_since_ = now;
+        asked_strangers_ = 0;
+    }
+    return asked_strangers_++ < max_strangers_a_second;
 }
 
 ListeningNotice ListenerCheck::ask(Suspect& s, TimePoint now) {
@@ -39,15 +48,9 @@ ListeningNotice ListenerCheck::ask(Suspect& s, TimePoint now) {
 }
 
 std::optional<ListeningNotice> ListenerCheck::asked(const Endpoint& from, std::uint64_t number, TimePoint now) {
-    Suspect& s = row(from, now);
-    if (s.number != 0 && s.number == number) return std::nullopt;    // our own question, returned by the peer
+    if (const Suspect* s = find(from); s && s->number != 0 && s->number == number)
+        return std::nullopt;    // our own question, returned by the peer
     suspend(from, now);
-    if (now - answers_since_ >= 1s) {
-        answers_since_ = now;
-        answers_ = 0;
-    }
-    if (answers_ == max_answers_a_second) return std::nullopt;
-    ++answers_;
     return ListeningNotice{ListeningNotice::Kind::answer, number};
 }
 

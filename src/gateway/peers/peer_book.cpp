@@ -216,8 +216,13 @@ bool PeerBook::refused(ChannelId id, TimePoint now) noexcept {
 
 std::optional<ChannelId> PeerBook::longest_silent(Rank to, TimePoint now) const noexcept {
     std::optional<ChannelId> longest;
+    const auto leaves = [&](ChannelId id) {
+        if (!longest || peer(id).rank != peer(*longest).rank) return !longest || peer(id).rank < peer(*longest).rank;
+        return leaves_before(peer(id), peer(*longest));
+    };
+    const Rank highest = to == Rank::trusted ? Rank::commands : Rank::ordinary;
     for (const ChannelId id : to == Rank::ordinary ? overdue(now) : used_)
-        if (peer(id).rank == Rank::ordinary && (!longest || leaves_before(peer(id), peer(*longest)))) longest = id;
+        if (peer(id).rank <= highest && leaves(id)) longest = id;
     return longest;
 }
 
@@ -234,19 +239,23 @@ bool PeerBook::is_overdue(ChannelId id, TimePoint now) const noexcept {
     return listens(p, now) && (exceeds_address(id, now) || exceeds_listeners(id, now));
 }
 
-// Whether max_silent_of_address others of its address only receive and sent their last frame later.
+// Whether max_silent_of_address others of its address only receive and precede it: those that sent again before those that sent
+// once, and of these the latest.
 bool PeerBook::exceeds_address(ChannelId id, TimePoint now) const noexcept {
     const Peer& p = peer(id);
     std::size_t later = 0;
     for (const ChannelId other : used_) {
         const Peer& o = peer(other);
         if (o.endpoint.address != p.endpoint.address || !listens(o, now)) continue;
-        if (o.heard_at > p.heard_at || (o.heard_at == p.heard_at && index(other) > index(id))) ++later;
+        const bool came_again = o.has_returned && !p.has_returned, came_once = !o.has_returned && p.has_returned;
+        const bool is_later = o.heard_at > p.heard_at || (o.heard_at == p.heard_at && index(other) > index(id));
+        if (came_again || (is_later && !came_once)) ++later;
     }
     return later >= max_silent_of_address;
 }
 
-// Whether max_listeners others that sent in one exchange only receive, and sent earlier. A new one must not replace existing ones.
+// Whether max_listeners others that sent in one exchange only receive and precede it: those of a higher rank, and of its own the
+// earlier ones, which a new one must not replace.
 bool PeerBook::exceeds_listeners(ChannelId id, TimePoint now) const noexcept {
     const Peer& p = peer(id);
     if (p.has_returned || p.endpoint.address.is_loopback()) return false;
@@ -254,7 +263,8 @@ bool PeerBook::exceeds_listeners(ChannelId id, TimePoint now) const noexcept {
     for (const ChannelId other : used_) {
         const Peer& o = peer(other);
         if (o.has_returned || o.endpoint.address.is_loopback() || !listens(o, now) || exceeds_address(other, now)) continue;
-        if (o.heard_at < p.heard_at || (o.heard_at == p.heard_at && index(other) < index(id))) ++earlier;
+        const bool is_earlier = o.heard_at < p.heard_at || (o.heard_at == p.heard_at && index(other) < index(id));
+        if (o.rank > p.rank || (o.rank == p.rank && is_earlier)) ++earlier;
     }
     return earlier >= max_listeners;
 }

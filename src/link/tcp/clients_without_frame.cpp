@@ -39,11 +39,6 @@ std::uint8_t source_in_v8(const V7LinkSettings& v7, std::uint8_t id) {
     return v7.role == V7Role::host ? ano::address::host : v7.device;
 }
 
-/// Whether a frame with this V7 id is a command of a host program: remote and realtime control, a waypoint, a command or a write.
-bool is_v7_command_of_host(const V7LinkSettings& v7, std::uint8_t id) {
-    return v7.role == V7Role::host && (id == 0x40 || id == 0x41 || id == 0x61 || id == 0xE0 || id == 0xE2);
-}
-
 }    // namespace
 
 struct ClientsWithoutFrame::One {

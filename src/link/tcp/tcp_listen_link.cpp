@@ -41,7 +41,7 @@ PeerBook::Options book_options(const TcpListenSettings& tcp) {
     options.max_peers = tcp.max_peers;
     options.max_of_address = tcp.max_per_address ? *tcp.max_per_address : std::max<std::size_t>(2, quarter);
     options.kept = quarter;
-    options.kept_for_trusted = has_trusted ? quarter : 0;
+    options.kept_for_trusted = has_trusted ? (quarter + 1) / 2 : 0;
     options.has_connections = true;
     options.seed = std::random_device{}();
     return options;
@@ -180,7 +180,7 @@ Opened<void> TcpListenLink::listen() {
 // Without a free descriptor, the listener would report the waiting connection again and again, so it pauses.
 void TcpListenLink::accept() {
     for (int i = 0; i < accepts_per_turn; ++i) {
-        if (descriptors_left() < for_one_peer) return pause_accepting();
+        if (descriptors_left() < for_one_peer + descriptors_of_links() / 4) return pause_accepting();
         Accepted next = accept_tcp(listener_.fd());
         if (next.fd) {
             on_accepted(std::move(next.fd), next.peer);

@@ -226,6 +226,7 @@ void UdpListenLink::receive(Peer& peer, ano::FrameView frame, TimePoint now) {
 void UdpListenLink::receive_v7(Peer& peer, ano::FrameView frame) {
     const TimePoint now = context_.host.now();
     book_.heard(peer.channel.id, frame.source(), now);
+    if (is_command_of_host(frame)) book_.commanded(peer.channel.id, now);
     if (peer.far && peer.far->heard(frame, now)) return;
     deliver(peer.channel, peer.endpoint, frame);
 }

@@ -82,7 +82,7 @@ private:
     void receive_v7(Peer& peer, ano::FrameView frame);
     void flush_v7(Peer& peer);
     bool write_v7(Peer& peer);
-    bool has_v7_frame(std::span<const std::uint8_t> datagram);
+    bool has_v7_frame(std::span<const std::uint8_t> datagram, bool& commands);
     Peer* find(const Endpoint& endpoint) noexcept;
     Peer* admit(const Endpoint& endpoint, std::span<const std::uint8_t> datagram, TimePoint now);
     bool can_be_peer(const Endpoint& sender, TimePoint now);

@@ -139,7 +139,7 @@ bool UdpListenLink::allowed(const Endpoint& sender, TimePoint now) {
 
 // Sets `commands` if the datagram contains a command of a host.
 bool UdpListenLink::is_admitted(const Endpoint& sender, std::span<const std::uint8_t> datagram, TimePoint now, bool& commands) {
-    if (v7_probe_) return has_v7_frame(datagram);
+    if (v7_probe_) return has_v7_frame(datagram, commands);
     const ano::ParserCounters before = probe_.counters();
     bool found = false;
     std::uint64_t unwelcome = 0;
@@ -167,7 +167,7 @@ bool UdpListenLink::is_admitted(const Endpoint& sender, std::span<const std::uin
     return false;
 }
 
-bool UdpListenLink::has_v7_frame(std::span<const std::uint8_t> datagram) {
+bool UdpListenLink::has_v7_frame(std::span<const std::uint8_t> datagram, bool& commands) {
     const ano::v7::ParserCounters before = v7_probe_->counters();
     bool found = false;
     for (auto rest = datagram; !rest.empty();) {
@@ -177,7 +177,10 @@ bool UdpListenLink::has_v7_frame(std::span<const std::uint8_t> datagram) {
         v7_probe_->commit(n, {});
         rest = rest.subspan(n);
         if (rest.empty()) v7_probe_->finish();
-        while (v7_probe_->next()) found = true;
+        while (const auto frame = v7_probe_->next()) {
+            found = true;
+            commands = commands || is_v7_command_of_host(settings().as<UdpListenSettings>().v7, frame->id());
+        }
     }
     if (found) return true;
     const ano::v7::ParserCounters& after = v7_probe_->counters();

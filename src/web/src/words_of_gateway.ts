@@ -78,6 +78,7 @@ export const errors: Record<string, string> = {
   bus_off: "{interface} 错误太多，离开了总线（bus-off）：检查接线、终端电阻（两端各 120 欧）和波特率；设置 restart-ms 后会自动恢复",
   not_can: "{interface} 不是 CAN 接口",
   no_can_fd: "{interface} 目前不支持 CAN FD",
+  no_descriptor: "剩余的文件描述符太少，无法打开：请提高服务的 LimitNOFILE= 或 ulimit -n",
   no_kernel_support: "内核不支持 {what}",
   no_address: "目前没有网络接口使用地址 {address}",
   port_in_use: "端口 {port} 被其他程序占用",

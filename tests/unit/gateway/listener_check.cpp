@@ -121,14 +121,29 @@ TEST(ListenerCheck, an_echo_of_a_request_of_the_gateway_is_ignored) {
     EXPECT_FALSE(check.is_suspended(two, start));
 }
 
-TEST(ListenerCheck, sends_at_most_20_answers_a_second) {
+TEST(ListenerCheck, answers_each_question_and_asks_at_most_20_strangers_a_second) {
     Check check{7};
-    int answers = 0;
-    for (std::uint64_t n = 0; n < 1000; ++n)
-        if (check.asked({IpAddress::v4(10, 0, static_cast<std::uint8_t>(n >> 8), static_cast<std::uint8_t>(n)), 5}, n, start))
-            ++answers;
-    EXPECT_EQ(answers, 20);
-    EXPECT_TRUE(check.asked(one, 1, start + 1s));
+    int answers = 0, questions = 0;
+    for (std::uint64_t n = 0; n < 1000; ++n) {
+        const Endpoint from{IpAddress::v4(10, 0, static_cast<std::uint8_t>(n >> 8), static_cast<std::uint8_t>(n)), 5};
+        if (check.asked(from, n, start)) ++answers;
+        if (check.question_back(from, start)) ++questions;
+    }
+    EXPECT_EQ(answers, 1000) << "or strangers could prevent the answer to another gateway";
+    EXPECT_EQ(questions, 20);
+    EXPECT_TRUE(check.question_back(one, start + 1s));
+}
+
+TEST(ListenerCheck, thousands_of_strangers_displace_no_suspect_whose_answer_is_awaited) {
+    Check check{7};
+    const auto question = check.question(two, start);
+    ASSERT_TRUE(question);
+    for (std::uint64_t n = 0; n < 10000; ++n) {
+        const Endpoint from{IpAddress::v4(10, 1, static_cast<std::uint8_t>(n >> 8), static_cast<std::uint8_t>(n)), 5};
+        check.asked(from, n, start);
+        check.question_back(from, start);
+    }
+    EXPECT_TRUE(check.answered(two, question->number, start + 10ms));
 }
 
 TEST(ListenerCheck, a_refused_sender_that_stops_answering_is_no_longer_refused) {

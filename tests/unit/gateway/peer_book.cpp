@@ -337,6 +337,31 @@ TEST(PeerBook, programs_of_this_machine_may_listen_for_a_minute_beyond_the_limit
     EXPECT_EQ(book.overdue(start + 60s).size(), 8u);
 }
 
+// The sources of single datagrams can be forged, so eight of them must not end the telemetry of an operator.
+TEST(PeerBook, of_hosts_that_only_receive_trusted_and_commanding_ones_are_among_the_eight) {
+    Book book;
+    for (std::uint8_t n = 0; n < 8; ++n)
+        book.join_once(static_cast<ChannelId>(20 + n), {IpAddress::v4(10, 0, 0, n), 5000}, host, start);
+    book.join_once(a, phone, host, start + 1s, PeerBook::Rank::trusted);
+    book.join(b, laptop, host, start + 1s);
+    book.commanded(b, start + 1s);
+    EXPECT_EQ(book.overdue(start + 12s), ChannelSet{ChannelId{26}} | ChannelId{27});
+}
+
+TEST(PeerBook, hosts_that_sent_once_do_not_displace_a_silent_one_of_their_address_that_sent_again) {
+    for (const Endpoint& first : {phone, Endpoint{IpAddress::v4(127, 0, 0, 1), 5000}}) {
+        Book book;
+        book.join(a, first, host, start);
+        book.heard(a, host, start + 3s);
+        for (const ChannelId id : {b, c})
+            book.join_once(id, {first.address, static_cast<std::uint16_t>(first.port + index(id))}, host, start + 4s);
+        EXPECT_EQ(book.overdue(start + 5min), ChannelSet{b});
+        book.heard(c, host, start + 8s);
+        book.heard(b, host, start + 9s);
+        EXPECT_EQ(book.overdue(start + 5min), ChannelSet{a}) << "of those that sent again the latest stay";
+    }
+}
+
 TEST(PeerBook, one_refusal_ends_a_peer_that_sent_a_single_datagram) {
     Book book;
     book.join_once(a, phone, host, start);
@@ -763,6 +788,10 @@ TEST(PeerBook, the_longest_silent_ordinary_peer_frees_its_channel_for_another_li
     EXPECT_EQ(book.longest_silent(PeerBook::Rank::commands, start + 3s), c);
     EXPECT_EQ(book.longest_silent(PeerBook::Rank::ordinary, start + 3s), std::nullopt);
     EXPECT_EQ(book.longest_silent(PeerBook::Rank::ordinary, start + 61s), c);
+    book.remove(c);
+    book.remove(d);
+    EXPECT_EQ(book.longest_silent(PeerBook::Rank::commands, start + 61s), std::nullopt);
+    EXPECT_EQ(book.longest_silent(PeerBook::Rank::trusted, start + 61s), b) << "one that commands leaves for a trusted one";
 }
 
 }    // namespace

@@ -47,5 +47,15 @@ TEST_F(DescriptorsLeft, do_not_include_numbers_in_use_above_a_free_one) {
     EXPECT_EQ(descriptors_left(), 2u);
 }
 
+TEST(DescriptorsAboveAHole, are_counted_beyond_hundreds_in_use) {
+    rlimit limit{};
+    ::getrlimit(RLIMIT_NOFILE, &limit);
+    if (limit.rlim_cur < 1000) GTEST_SKIP() << "needs a limit of 1000 descriptors (ulimit -n)";
+    std::vector<UniqueFd> all;
+    for (int i = 0; i < 400; ++i) all.emplace_back(::dup(STDERR_FILENO));
+    all.front().reset();
+    EXPECT_GT(descriptors_left(), 200u);
+}
+
 }    // namespace
 }    // namespace anogate::descriptors_left_tests
