@@ -14,6 +14,7 @@ foreach(package ${packages})
     install(FILES ${ANOGATE_PACKAGE}/${package}.spdx.json DESTINATION share/doc/${package} RENAME sbom.spdx.json COMPONENT ${package})
   endif()
 endforeach()
+install(FILES ${PROJECT_SOURCE_DIR}/tools/packaging/lintian-overrides DESTINATION share/lintian/overrides RENAME anogate COMPONENT anogate)
 
 # Debian has manual pages compressed.
 install(CODE [[
