@@ -1,7 +1,7 @@
 #!/bin/bash
 # What can be checked of the READMEs: the two of the project are one screen; every hint, counter and kind of link is explained in both
-# languages, a hint under its id as an anchor; both languages have the same headings, rows and items in the same order; every link and
-# file that they name exists, and Chinese text has Chinese punctuation.
+# languages, a hint under its id as an anchor; both languages have the same headings, rows, anchors and items in the same order; every
+# link and file that they name exists, and Chinese text has Chinese punctuation.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 export LC_ALL=C.UTF-8
@@ -51,6 +51,11 @@ anchors() {
 }
 prose() { grep -v '^    ' "$1"; }
 
+# Each row of events has an anchor, to which hints lead.
+while IFS= read -r row; do
+    fault "config/README.md: no anchor in the row: ${row:0:60}"
+done < <(sed -n '/^## What happens when/,/^## /p' config/README.md | grep '^|' | tail -n +3 | grep -v '^| <a id="')
+
 for readme in "${readmes[@]}"; do
     folder=$(dirname "$readme")
     while IFS= read -r target; do
@@ -68,9 +73,16 @@ for readme in "${readmes[@]}"; do
     done < <(prose "$readme" | grep -oP '`\K(src|include|config|systemd|tools|tests)/[\w./-]*(?=`)')
 done
 
-# The headings, the rows of tables with their number of cells, and the items of lists, in their order.
+# The headings, the rows of tables with their number of cells and their anchors, and the items of lists, in their order.
 shape() {
-    sed 's/`[^`]*`//g' "$1" | awk '/^#/ { print "heading " $1 } /^\|/ { print "row of " gsub(/\|/, "") - 1 } /^- / { print "item" }'
+    sed 's/`[^`]*`//g' "$1" | awk '
+        /^#/ { print "heading " $1 }
+        /^\|/ {
+            text = $0; row = "row of " gsub(/\|/, "") - 1
+            while (match(text, /<a id="[^"]*">/)) { row = row " " substr(text, RSTART, RLENGTH); text = substr(text, RSTART + RLENGTH) }
+            print row
+        }
+        /^- / { print "item" }'
 }
 for readme in "${readmes[@]}"; do
     chinese=${readme%.md}.zh-CN.md

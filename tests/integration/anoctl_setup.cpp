@@ -1,5 +1,5 @@
-// anoctl setup: port, rate, configuration and service, checked by the commands that it runs. tests/vm/systemd runs it with a real
-// systemd.
+// anoctl setup: port, rate, configuration and service, checked by the commands that it runs. tools/packaging/upgrade runs it with
+// a real systemd, tests/vm/serial.cpp with real serial drivers.
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -69,6 +69,12 @@ TEST_F(AnoctlSetup, opens_the_page_signed_in) {
     EXPECT_EQ(process.wait(), 0) << process.output();
     EXPECT_NE(process.output().find("leads to http://127.0.0.1:8088/\n{\"access\": \"control\"}"), std::string::npos)
         << process.output();
+}
+
+TEST_F(AnoctlSetup, opens_nothing_where_there_is_no_screen) {
+    const Result done = setup({device.path(), "--baud", "115200", "--yes"});    // DISPLAY is set, but empty
+    ASSERT_EQ(done.exit, 0) << done.printed;
+    EXPECT_EQ(done.printed.find("does not serve the page"), std::string::npos) << done.printed;
 }
 
 TEST_F(AnoctlSetup, keeps_a_copy_of_the_previous_configuration) {

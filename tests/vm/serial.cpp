@@ -1,17 +1,23 @@
 // Serial links on real drivers: a USB port of dummy_hcd and g_serial that is plugged in and unplugged, and two 16550 UARTs
 // connected as a null modem. Needs the machine of tests/vm/machine, or an equivalent one.
 #include <support/child.hpp>
+#include <support/files.hpp>
+#include <support/line_rate.hpp>
 #include <support/process.hpp>
 #include <support/running_gateway.hpp>
+#include <support/temp_dir.hpp>
 #include <support/udp_peer.hpp>
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include <fcntl.h>
 #include <termios.h>
 
+#include <atomic>
 #include <filesystem>
 #include <fstream>
+#include <thread>
 
 namespace serial_tests {
 
@@ -129,6 +135,93 @@ TEST_F(Serial, two_uarts_exchange_frames_at_usual_and_odd_baud_rates) {
         EXPECT_EQ(received(far, 30), 30u) << baud;
         EXPECT_EQ(b.count("ttyS2", "skipped_bytes"), 0u) << baud;
     }
+}
+
+/// The bytes that a UART at the rate `read` makes of bytes sent at the rate `sent`: it samples each bit in its middle.
+Bytes as_read(const Bytes& bytes, double sent, double read) {
+    std::vector<bool> line(20, true);
+    for (const std::uint8_t byte : bytes) {
+        line.push_back(false);
+        for (int bit = 0; bit < 8; ++bit) line.push_back((byte >> bit & 1) != 0);
+        line.push_back(true);
+    }
+    line.insert(line.end(), 20, true);
+    const double step = sent / read;    // a bit of the reader, in bits of the sender
+    const auto level = [&](double at) { return line.at(std::min(static_cast<std::size_t>(at), line.size() - 1)); };
+    Bytes all;
+    for (double at = 1; at < static_cast<double>(line.size()) - 1; at += 0.05) {
+        if (level(at)) continue;
+        unsigned byte = 0;
+        for (int bit = 0; bit < 8; ++bit) byte |= unsigned{level(at + step * (1.5 + bit))} << bit;
+        all.push_back(static_cast<std::uint8_t>(byte));
+        at += step * 9.5;
+    }
+    return all;
+}
+
+/// A device that sends frames at its rate on /dev/ttyS2 until it is destroyed. QEMU's UARTs have no rates, so it sends what
+/// /dev/ttyS1 would read at the rate that is set there.
+class DeviceAtRate {
+public:
+    explicit DeviceAtRate(std::uint32_t rate)
+        : far_{::open("/dev/ttyS1", O_RDWR | O_NOCTTY | O_NONBLOCK)}, thread_{[this, rate] {
+              Device device{"/dev/ttyS2"};
+              const Bytes sent = frame(0xDC, 0xFE, 0x03, data_of(7, 0x7B));
+              for (; !over_; std::this_thread::sleep_for(20ms)) {
+                  device.send(as_read(sent, rate, support::rate_of(far_)));
+                  ::tcdrain(device.fd());    // bytes for an earlier rate must not wait
+              }
+          }} {}
+    ~DeviceAtRate() {
+        over_ = true;
+        thread_.join();
+        ::close(far_);
+    }
+
+private:
+    int far_;
+    std::atomic<bool> over_ = false;
+    std::thread thread_;
+};
+
+/// The first link that `anoctl setup` writes for a port.
+nlohmann::json link_of_setup(const std::string& port) {
+    const support::TempDir dir;
+    const std::string config = dir / "anogate.json", systemctl = dir.write("systemctl", "#!/bin/sh\n");
+    std::filesystem::permissions(systemctl, std::filesystem::perms{0700});
+    support::Process setup{ANOCTL, {"setup", "--into", config, port, "--yes"}, {"PATH=" + dir.path().string()}};
+    EXPECT_EQ(setup.wait(), 0) << setup.output();
+    support::Process check{ANOGATED, {"--check", "--config", config}};
+    EXPECT_EQ(check.wait(), 0) << check.output();
+    return nlohmann::json::parse(support::file_text(config), nullptr, true, true).at("links").at(0);
+}
+
+TEST_F(Serial, setup_finds_the_rate_of_a_device_on_a_uart) {
+    if (!in_vm()) GTEST_SKIP() << "needs two UARTs joined: only in tests/vm/machine";
+    for (const std::uint32_t rate : {115200u, 57600u, 9600u}) {
+        const DeviceAtRate device{rate};
+        EXPECT_EQ(link_of_setup("/dev/ttyS1").at("baud"), rate);
+        EXPECT_EQ(link_of_setup("/dev/ttyS1").at("baud"), rate) << "the driver keeps the rate instead of one that it can't set";
+    }
+}
+
+TEST_F(Serial, setup_needs_no_rate_for_a_usb_device) {
+    if (!in_vm()) GTEST_SKIP() << "loads and unloads kernel modules: only in tests/vm/machine";
+    ASSERT_EQ(run("modprobe dummy_hcd && modprobe cdc-acm && modprobe g_serial"), 0);
+    ASSERT_TRUE(loop.until([] { return std::filesystem::exists("/dev/ttyGS0") && std::filesystem::exists("/dev/ttyACM0"); }));
+    {
+        std::atomic<bool> over = false;
+        std::thread sender{[&] {
+            Device device{"/dev/ttyGS0"};
+            for (; !over; std::this_thread::sleep_for(20ms)) device.send(frame(0xDC, 0xFE, 0x03, data_of(7, 0x7B)));
+        }};
+        const auto link = link_of_setup("/dev/ttyACM0");
+        over = true;
+        sender.join();
+        EXPECT_FALSE(link.contains("baud")) << link;
+        EXPECT_EQ(link.at("profile"), "vendor");
+    }
+    ASSERT_EQ(run("modprobe -r g_serial"), 0);
 }
 
 TEST_F(Serial, a_command_overtakes_frames_that_a_slow_line_has_not_sent_yet) {

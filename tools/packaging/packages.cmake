@@ -1,5 +1,5 @@
 # The Debian packages anogate, libano-dev and, where Fast DDS is, anogate-ros2; tools/package sets ANOGATE_PACKAGE to the folder that holds what it wrote for them:
-# version, changelog and sbom.spdx.json.
+# version, changelog and the bills of materials.
 file(READ ${ANOGATE_PACKAGE}/version package_version)
 string(STRIP "${package_version}" package_version)
 
@@ -10,8 +10,11 @@ endif()
 foreach(package ${packages})
   install(FILES ${PROJECT_SOURCE_DIR}/tools/packaging/copyright ${ANOGATE_PACKAGE}/changelog.gz
     DESTINATION share/doc/${package} COMPONENT ${package})
+  if(NOT package STREQUAL libano-dev)
+    install(FILES ${ANOGATE_PACKAGE}/${package}.spdx.json DESTINATION share/doc/${package} RENAME sbom.spdx.json COMPONENT ${package})
+  endif()
 endforeach()
-install(FILES ${ANOGATE_PACKAGE}/sbom.spdx.json DESTINATION share/doc/anogate COMPONENT anogate)
+install(FILES ${PROJECT_SOURCE_DIR}/tools/packaging/lintian-overrides DESTINATION share/lintian/overrides RENAME anogate COMPONENT anogate)
 
 # Debian has manual pages compressed.
 install(CODE [[

@@ -17,6 +17,7 @@
 
 #include <support/anoctl.hpp>
 #include <support/bytes.hpp>
+#include <support/line_rate.hpp>
 #include <support/pty_device.hpp>
 #include <support/temp_dir.hpp>
 #include <support/v7_vectors.hpp>
@@ -29,23 +30,13 @@ using support::operator+;
 
 const Bytes euler = support::frame(0xDC, 0xFE, 0x03, {0x7B, 0, 0, 0, 0, 0, 1});
 
-/// The rate set by the user of a pseudo-terminal, any integer: <termios.h> returns only the traditional rates.
-std::uint32_t rate_of(int fd) {
-    struct {
-        std::uint32_t flags[4];
-        std::uint8_t line, cc[19];
-        std::uint32_t input, output;
-    } settings{};
-    return ::ioctl(fd, _IOC(_IOC_READ, 'T', 0x2A, sizeof settings), &settings) == 0 ? settings.output : 0;
-}
-
 /// Sends something every few milliseconds that depends on the rate set by its user.
 class Speaker {
 public:
     explicit Speaker(std::function<Bytes(std::uint32_t baud)> say)
         : device_{(folder_.path() / "tty").string()}, thread_{[this, say = std::move(say)] {
               while (!over_) {
-                  device_.write(say(rate_of(device_.fd())));
+                  device_.write(say(support::rate_of(device_.fd())));
                   std::this_thread::sleep_for(std::chrono::milliseconds{5});
               }
           }} {}

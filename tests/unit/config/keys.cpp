@@ -7,6 +7,7 @@
 #include <support/files.hpp>
 #include <unit/config/faults.hpp>
 
+#include <algorithm>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -134,6 +135,19 @@ TEST(Sample, is_a_valid_configuration_with_the_defaults) {
     }
     EXPECT_EQ(print_config(draft.settings), print_config(defaults));
     EXPECT_EQ(draft.settings, defaults);
+}
+
+TEST(Sample, of_a_first_configuration_is_valid_and_has_at_most_25_lines) {
+    const std::string text = support::file_text(support::source_file("config/anogate.json"));
+    EXPECT_LE(std::count(text.begin(), text.end(), '\n'), 25);
+    const Draft draft = parse_config(text);
+    EXPECT_EQ(lines(draft.errors), "");
+    const json links = json::parse(text, nullptr, true, true).at("links");
+    ASSERT_EQ(links.size(), 2u);
+    EXPECT_EQ(links[0].at("profile"), "vendor");
+    EXPECT_TRUE(links[0].at("device").get<std::string>().starts_with("/dev/serial/by-id/")) << links[0];
+    EXPECT_EQ(links[1].at("kind"), "udp-listen");
+    EXPECT_TRUE(draft.settings.control.http) << "the page";
 }
 
 TEST(Sample, shows_every_key_in_a_configuration_that_works) {

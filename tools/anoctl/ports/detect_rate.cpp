@@ -100,12 +100,15 @@ public:
     ~Port() { terminal::release_exclusive(fd_.get()); }
 
     int fd() const noexcept { return fd_.get(); }
-    /// Returns empty, or the reason why the driver can't set this rate.
+    /// Returns empty, or the reason why the driver can't set this rate. Some drivers then keep the previous one, without an error.
     std::string set_rate(std::uint32_t baud) {
         SerialSettings settings;
         settings.baud = baud;
         const auto actual = terminal::configure(fd(), settings);
         if (!actual) return actual.error();
+        const std::uint32_t difference = std::max(*actual, baud) - std::min(*actual, baud);
+        if (*actual != 0 && difference > baud / 20)    // a UART can't receive with a larger one
+            return "the driver can't set " + std::to_string(baud) + " baud: it set " + std::to_string(*actual);
         terminal::discard_input(fd());
         return {};
     }

@@ -138,7 +138,11 @@ private:
     }
 
     int show_page(Streams& streams) const {
-        const bool has_screen = std::getenv("DISPLAY") != nullptr || std::getenv("WAYLAND_DISPLAY") != nullptr;
+        const auto is_set = [](const char* name) {
+            const char* const value = std::getenv(name);
+            return value != nullptr && *value != '\0';
+        };
+        const bool has_screen = is_set("DISPLAY") || is_set("WAYLAND_DISPLAY");
         print(streams, std::string{"Page: "} + url_of_page);
         print(streams, "To sign in: sudo anoctl web --open, or sudo anoctl web --pair for a code to type");
         print(streams, "Status: sudo anoctl status");
