@@ -163,7 +163,7 @@ private:
         });
     }
 
-    // Joins the network, or waits for an address.
+    // Joins the network, or waits for an address. Called after changes, and every second.
     void join() {
         const auto addresses = interface_addresses(settings_.interfaces);
         if (addresses.empty() || (joined_ && !must_rejoin(*joined_, addresses))) {
@@ -177,8 +177,14 @@ private:
             if (!settings_.interfaces.empty()) named.push_back(address);
             shown += (shown.empty() ? "" : ", ") + address;
         }
-        if (const std::string error = bus_->open(named); !error.empty()) return log_warning("{}; trying again", error);
-        log_info("{} {}", joined_ ? "addresses changed; topics are on" : "topics are on", shown);
+        const bool is_change = joined_.has_value();
+        joined_.reset();
+        if (const std::string error = bus_->open(named); !error.empty()) {
+            if (std::exchange(join_fault_, error) != error) log_warning("{}; trying again", printable(error));
+            return;
+        }
+        log_info("{} {}", is_change ? "addresses changed; topics are on" : "topics are on", shown);
+        join_fault_.clear();
         joined_ = addresses;
     }
 
@@ -189,7 +195,7 @@ private:
     }
 
     void every_second() {
-        if (!joined_) join();
+        join();    // again, or because a change was not reported
         dds_errors_ = dds_errors_ * 2 / 3;
         bridge_.publish_diagnostics(gateway_fault_, now_ns(), Clock::now());
         if (stream_.is_open() && bridge_.needs_names() && !std::exchange(asks_, true))
@@ -262,6 +268,7 @@ private:
     Bridge bridge_;
     std::optional<std::set<InterfaceAddress>> joined_;    // the addresses with which the network was joined
     bool told_absent_ = false, asks_ = false;
+    std::string join_fault_;    // logged last; empty: none since the network was joined
     std::string gateway_fault_ = "not connected yet";
     InterfaceWatch interfaces_{io_, [this] { join(); }};
     GatewayRequests requests_{io_, settings_.control, program_name};

@@ -16,8 +16,12 @@ public:
     void add(const char* text) {
         std::string quoted = "\"";
         for (const char* at = text; *at != 0; ++at) {
+            constexpr char first_visible = ' ';
+            char code[8];
             if (*at == '"' || *at == '\\') quoted += '\\';
-            quoted += *at;
+            if (*at > 0 && *at < first_visible) std::snprintf(code, sizeof code, "\\u%04x", static_cast<unsigned>(*at));
+            if (*at > 0 && *at < first_visible) quoted += code;
+            else quoted += *at;
         }
         append(quoted + '"');
     }
