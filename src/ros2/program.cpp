@@ -11,6 +11,7 @@
 #include <ros2/bridge.hpp>
 #include <ros2/command_line.hpp>
 #include <ros2/interfaces.hpp>
+#include <ros2/line_limit.hpp>
 #include <ros2/program.hpp>
 #include <ros2/ros2_config.hpp>
 #include <sys/notify.hpp>
@@ -36,8 +37,7 @@ using ano::Clock;
 constexpr char filters[] = "&direction=in&elsewhere=no&batch=2ms";
 constexpr char program_name[] = "anogate-ros2";
 constexpr ano::Duration list_time = 3s, command_patience = 60s, request_patience = 5s, leave_patience = 1s;
-constexpr int max_samples = 256;                // received and not processed yet
-constexpr std::uint64_t max_dds_errors = 20;    // lines of the log per minute
+constexpr int max_samples = 256;    // received and not processed yet
 
 std::uint64_t now_ns() {
     return static_cast<std::uint64_t>(
@@ -196,7 +196,6 @@ private:
 
     void every_second() {
         join();    // again, or because a change was not reported
-        dds_errors_ = dds_errors_ * 2 / 3;
         bridge_.publish_diagnostics(gateway_fault_, now_ns(), Clock::now());
         if (stream_.is_open() && bridge_.needs_names() && !std::exchange(asks_, true))
             requests_.ask("GET", "/devices", "", request_patience, [this](const http::Outcome& outcome) {
@@ -242,10 +241,10 @@ private:
         });
     }
 
-    // In a thread of the DDS library.
+    // In the thread of the DDS library that logs.
     void log_dds(const std::string& text) {
-        if (++dds_errors_ < max_dds_errors) log_warning("DDS: {}", printable(text));
-        else if (dds_errors_ == max_dds_errors) log_warning("DDS: further errors are not shown");
+        if (const std::string line = dds_errors_.limited(printable(text), Clock::now()); !line.empty())
+            log_warning("DDS: {}", line);
     }
 
     bool send(ano::Bytes frame) override { return channel_.send(frame); }
@@ -263,7 +262,7 @@ private:
     asio::io_context io_{1};
     asio::signal_set signals_{io_, SIGTERM, SIGINT};
     std::atomic<int> samples_{0};
-    std::atomic<std::uint64_t> dds_errors_{0};
+    LineLimit dds_errors_;
     std::unique_ptr<NetworkBus> bus_;
     Bridge bridge_;
     std::optional<std::set<InterfaceAddress>> joined_;    // the addresses with which the network was joined
