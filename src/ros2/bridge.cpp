@@ -157,8 +157,13 @@ void Bridge::log_publisher(InputState& input, const Device& device, ano::TimePoi
     const auto publisher = input.guard.publisher(now);
     if (publisher == input.logged) return;
     input.logged = publisher;
-    output_.log("/" + device.publisher.prefix() + "/" + std::string{input_names[static_cast<std::size_t>(input.input)]} +
-                ": controlled by publisher " + format_guid(*publisher));
+    log_change(input, device, "controlled by publisher " + format_guid(*publisher), now);
+}
+
+void Bridge::log_change(const InputState& input, const Device& device, const std::string& what, ano::TimePoint now) {
+    const std::string topic = '/' + device.publisher.prefix() + '/' +
+                              std::string{input_names[static_cast<std::size_t>(input.input)]};
+    if (const std::string line = changes_.limited(topic + ": " + what, now); !line.empty()) output_.log(line);
 }
 
 InputFault Bridge::on_velocity(Device& device, const Sample& sample, ano::TimePoint now) {
@@ -225,8 +230,7 @@ void Bridge::on_time(ano::TimePoint now) {
         for (const auto& input : device->inputs) {
             if (!input->logged || input->input == Input::command || input->guard.publisher(now)) continue;
             input->logged.reset();
-            output_.log("/" + prefix + "/" + std::string{input_names[static_cast<std::size_t>(input->input)]} +
-                        ": no messages for 0.5 s");
+            log_change(*input, *device, "no messages for 0.5 s", now);
         }
     }
 }

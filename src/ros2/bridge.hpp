@@ -9,6 +9,7 @@
 #include <ros2/command_text.hpp>
 #include <ros2/device_publisher.hpp>
 #include <ros2/input_guard.hpp>
+#include <ros2/line_limit.hpp>
 #include <ros2/prefixes.hpp>
 #include <ros2/velocity_control.hpp>
 
@@ -79,6 +80,7 @@ private:
     void answer(const Device& device, const std::string& text);
     InputFault send(const Device& device, const VelocityFrame& frame);
     void log_publisher(InputState& input, const Device& device, ano::TimePoint now);
+    void log_change(const InputState& input, const Device& device, const std::string& what, ano::TimePoint now);
     void append_status(const Device& device, ano::TimePoint now);
     void append_pair(std::string key, std::string value);
 
@@ -96,6 +98,7 @@ private:
     std::uint64_t lost_ = 0;
     std::optional<Bus::Topic> diagnostics_;
     bool told_full_ = false;
+    LineLimit changes_;    // of the publishers that control devices
 };
 
 }    // namespace anogate

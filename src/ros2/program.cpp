@@ -11,6 +11,7 @@
 #include <ros2/bridge.hpp>
 #include <ros2/command_line.hpp>
 #include <ros2/interfaces.hpp>
+#include <ros2/line_limit.hpp>
 #include <ros2/program.hpp>
 #include <ros2/ros2_config.hpp>
 #include <sys/notify.hpp>
@@ -36,8 +37,7 @@ using ano::Clock;
 constexpr char filters[] = "&direction=in&elsewhere=no&batch=2ms";
 constexpr char program_name[] = "anogate-ros2";
 constexpr ano::Duration list_time = 3s, command_patience = 60s, request_patience = 5s, leave_patience = 1s;
-constexpr int max_samples = 256;                // received and not processed yet
-constexpr std::uint64_t max_dds_errors = 20;    // lines of the log per minute
+constexpr int max_samples = 256;    // received and not processed yet
 
 std::uint64_t now_ns() {
     return static_cast<std::uint64_t>(
@@ -163,7 +163,7 @@ private:
         });
     }
 
-    // Joins the network, or waits for an address.
+    // Joins the network, or waits for an address. Called after changes, and every second.
     void join() {
         const auto addresses = interface_addresses(settings_.interfaces);
         if (addresses.empty() || (joined_ && !must_rejoin(*joined_, addresses))) {
@@ -177,8 +177,14 @@ private:
             if (!settings_.interfaces.empty()) named.push_back(address);
             shown += (shown.empty() ? "" : ", ") + address;
         }
-        if (const std::string error = bus_->open(named); !error.empty()) return log_warning("{}; trying again", error);
-        log_info("{} {}", joined_ ? "addresses changed; topics are on" : "topics are on", shown);
+        const bool is_change = joined_.has_value();
+        joined_.reset();
+        if (const std::string error = bus_->open(named); !error.empty()) {
+            if (std::exchange(join_fault_, error) != error) log_warning("{}; trying again", printable(error));
+            return;
+        }
+        log_info("{} {}", is_change ? "addresses changed; topics are on" : "topics are on", shown);
+        join_fault_.clear();
         joined_ = addresses;
     }
 
@@ -189,8 +195,7 @@ private:
     }
 
     void every_second() {
-        if (!joined_) join();
-        dds_errors_ = dds_errors_ * 2 / 3;
+        join();    // again, or because a change was not reported
         bridge_.publish_diagnostics(gateway_fault_, now_ns(), Clock::now());
         if (stream_.is_open() && bridge_.needs_names() && !std::exchange(asks_, true))
             requests_.ask("GET", "/devices", "", request_patience, [this](const http::Outcome& outcome) {
@@ -236,10 +241,10 @@ private:
         });
     }
 
-    // In a thread of the DDS library.
+    // In the thread of the DDS library that logs.
     void log_dds(const std::string& text) {
-        if (++dds_errors_ < max_dds_errors) log_warning("DDS: {}", printable(text));
-        else if (dds_errors_ == max_dds_errors) log_warning("DDS: further errors are not shown");
+        if (const std::string line = dds_errors_.limited(printable(text), Clock::now()); !line.empty())
+            log_warning("DDS: {}", line);
     }
 
     bool send(ano::Bytes frame) override { return channel_.send(frame); }
@@ -257,11 +262,12 @@ private:
     asio::io_context io_{1};
     asio::signal_set signals_{io_, SIGTERM, SIGINT};
     std::atomic<int> samples_{0};
-    std::atomic<std::uint64_t> dds_errors_{0};
+    LineLimit dds_errors_;
     std::unique_ptr<NetworkBus> bus_;
     Bridge bridge_;
     std::optional<std::set<InterfaceAddress>> joined_;    // the addresses with which the network was joined
     bool told_absent_ = false, asks_ = false;
+    std::string join_fault_;    // logged last; empty: none since the network was joined
     std::string gateway_fault_ = "not connected yet";
     InterfaceWatch interfaces_{io_, [this] { join(); }};
     GatewayRequests requests_{io_, settings_.control, program_name};

@@ -27,6 +27,9 @@
 #define LISTENER ""
 #define TALKER ""
 #endif
+#ifndef FAST_LISTENER
+#define FAST_LISTENER ""
+#endif
 
 /// Skips the test, with the reason, where its parts are not available.
 #define ANOGATE_NEEDS_ROS2()                                                                                             \
@@ -56,12 +59,15 @@ struct Heard {
     nlohmann::json values;
 };
 
-/// A subscriber.
+/// A subscriber of CycloneDDS, or of Fast DDS on lo.
 class Listener {
 public:
-    explicit Listener(std::vector<std::string> topics, const std::string& interface = "lo") {
+    enum class Of { cyclone, fast };
+    explicit Listener(std::vector<std::string> topics, const std::string& interface = "lo", Of of = Of::cyclone) {
+        if (of == Of::fast) topics.insert(topics.begin(), "127.0.0.1");
         topics.insert(topics.begin(), "0");
-        process_ = std::make_unique<support::Process>(LISTENER, topics, std::vector{cyclone_on(interface)});
+        process_ = std::make_unique<support::Process>(of == Of::fast ? FAST_LISTENER : LISTENER, topics,
+                                                      std::vector{cyclone_on(interface)});
     }
     /// Everything received so far.
     const std::vector<Heard>& heard() {

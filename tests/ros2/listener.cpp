@@ -4,111 +4,21 @@
 #include <dds/dds.h>
 
 #include <chrono>
-#include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <functional>
 #include <map>
-#include <memory>
 #include <string>
 #include <vector>
 
 #include "types.h"
 
+#define MESSAGE(package, name) package##_msg_dds__##name##_
+#define FIELD(name) m.name
+#include "values.hpp"
+
 namespace {
-
-class Values {
-public:
-    void add(double value) { append(std::isfinite(value) ? format("%.17g", value) : "null"); }
-    void add(float value) { append(std::isfinite(value) ? format("%.9g", static_cast<double>(value)) : "null"); }
-    void add(bool value) { append(value ? "true" : "false"); }
-    void add(const char* text) {
-        std::string quoted = "\"";
-        for (const char* at = text; *at != 0; ++at) {
-            if (*at == '"' || *at == '\\') quoted += '\\';
-            quoted += *at;
-        }
-        append(quoted + '"');
-    }
-    void add(std::uint8_t value) { append(std::to_string(value)); }
-    void add(std::int8_t value) { append(std::to_string(value)); }
-    void add(std::uint16_t value) { append(std::to_string(value)); }
-    void add(std::int32_t value) { append(std::to_string(value)); }
-    void add(std::uint32_t value) { append(std::to_string(value)); }
-    template <class T, std::size_t Size>
-    void add(const T (&array)[Size]) {
-        for (const T& value : array) add(value);
-    }
-    template <class Sequence>
-    auto add(const Sequence& list) -> decltype(list._buffer, void()) {
-        for (std::uint32_t i = 0; i < list._length; ++i) add(list._buffer[i]);
-    }
-    template <class... Parts>
-    void all(const Parts&... parts) {
-        (add(parts), ...);
-    }
-
-    void add(const builtin_interfaces_msg_dds__Time_& m) { all(m.sec, m.nanosec); }
-    void add(const std_msgs_msg_dds__Header_& m) { all(m.stamp, m.frame_id); }
-    void add(const std_msgs_msg_dds__String_& m) { all(m.data); }
-    void add(const geometry_msgs_msg_dds__Vector3_& m) { all(m.x, m.y, m.z); }
-    void add(const geometry_msgs_msg_dds__Point_& m) { all(m.x, m.y, m.z); }
-    void add(const geometry_msgs_msg_dds__Quaternion_& m) { all(m.x, m.y, m.z, m.w); }
-    void add(const geometry_msgs_msg_dds__Vector3Stamped_& m) { all(m.header, m.vector); }
-    void add(const geometry_msgs_msg_dds__PointStamped_& m) { all(m.header, m.point); }
-    void add(const geometry_msgs_msg_dds__QuaternionStamped_& m) { all(m.header, m.quaternion); }
-    void add(const geometry_msgs_msg_dds__Pose_& m) { all(m.position, m.orientation); }
-    void add(const geometry_msgs_msg_dds__Twist_& m) { all(m.linear, m.angular); }
-    void add(const geometry_msgs_msg_dds__PoseWithCovariance_& m) { all(m.pose, m.covariance); }
-    void add(const geometry_msgs_msg_dds__TwistWithCovariance_& m) { all(m.twist, m.covariance); }
-    void add(const geometry_msgs_msg_dds__Transform_& m) { all(m.translation, m.rotation); }
-    void add(const geometry_msgs_msg_dds__TransformStamped_& m) { all(m.header, m.child_frame_id, m.transform); }
-    void add(const tf2_msgs_msg_dds__TFMessage_& m) { all(m.transforms); }
-    void add(const nav_msgs_msg_dds__Odometry_& m) { all(m.header, m.child_frame_id, m.pose, m.twist); }
-    void add(const sensor_msgs_msg_dds__Imu_& m) {
-        all(m.header, m.orientation, m.orientation_covariance, m.angular_velocity, m.angular_velocity_covariance,
-            m.linear_acceleration, m.linear_acceleration_covariance);
-    }
-    void add(const sensor_msgs_msg_dds__MagneticField_& m) { all(m.header, m.magnetic_field, m.magnetic_field_covariance); }
-    void add(const sensor_msgs_msg_dds__Temperature_& m) { all(m.header, m.temperature, m.variance); }
-    void add(const sensor_msgs_msg_dds__NavSatStatus_& m) { all(m.status, m.service); }
-    void add(const sensor_msgs_msg_dds__NavSatFix_& m) {
-        all(m.header, m.status, m.latitude, m.longitude, m.altitude, m.position_covariance, m.position_covariance_type);
-    }
-    void add(const sensor_msgs_msg_dds__Range_& m) {
-        all(m.header, m.radiation_type, m.field_of_view, m.min_range, m.max_range, m.range, m.variance);
-    }
-    void add(const sensor_msgs_msg_dds__PointField_& m) { all(m.name, m.offset, m.datatype, m.count); }
-    void add(const sensor_msgs_msg_dds__PointCloud2_& m) {
-        all(m.header, m.height, m.width, m.fields, m.is_bigendian, m.point_step, m.row_step, m.data, m.is_dense);
-    }
-    void add(const sensor_msgs_msg_dds__Image_& m) {
-        all(m.header, m.height, m.width, m.encoding, m.is_bigendian, m.step, m.data);
-    }
-    void add(const sensor_msgs_msg_dds__BatteryState_& m) {
-        all(m.header, m.voltage, m.temperature, m.current, m.charge, m.capacity, m.design_capacity, m.percentage,
-            m.power_supply_status, m.power_supply_health, m.power_supply_technology, m.present, m.cell_voltage,
-            m.cell_temperature, m.location, m.serial_number);
-    }
-    void add(const sensor_msgs_msg_dds__Joy_& m) { all(m.header, m.axes, m.buttons); }
-    void add(const rcl_interfaces_msg_dds__Log_& m) { all(m.stamp, m.level, m.name, m.msg, m.file, m.function, m.line); }
-    void add(const diagnostic_msgs_msg_dds__KeyValue_& m) { all(m.key, m.value); }
-    void add(const diagnostic_msgs_msg_dds__DiagnosticStatus_& m) { all(m.level, m.name, m.message, m.hardware_id, m.values); }
-    void add(const diagnostic_msgs_msg_dds__DiagnosticArray_& m) { all(m.header, m.status); }
-
-    const std::string& text() const { return text_; }
-
-private:
-    static std::string format(const char* how, double value) {
-        char buffer[40];
-        std::snprintf(buffer, sizeof buffer, how, value);
-        return buffer;
-    }
-    void append(const std::string& value) { text_ += (text_.empty() ? "" : ", ") + value; }
-
-    std::string text_;
-};
 
 struct Type {
     const dds_topic_descriptor_t* descriptor;
@@ -125,25 +35,8 @@ Type type_of(const dds_topic_descriptor_t& descriptor) {
 }
 
 const std::map<std::string, Type>& types() {
-    static const std::map<std::string, Type> all{
-        {"Imu", type_of<sensor_msgs_msg_dds__Imu_>(sensor_msgs_msg_dds__Imu__desc)},
-        {"MagneticField", type_of<sensor_msgs_msg_dds__MagneticField_>(sensor_msgs_msg_dds__MagneticField__desc)},
-        {"Temperature", type_of<sensor_msgs_msg_dds__Temperature_>(sensor_msgs_msg_dds__Temperature__desc)},
-        {"QuaternionStamped", type_of<geometry_msgs_msg_dds__QuaternionStamped_>(geometry_msgs_msg_dds__QuaternionStamped__desc)},
-        {"Vector3Stamped", type_of<geometry_msgs_msg_dds__Vector3Stamped_>(geometry_msgs_msg_dds__Vector3Stamped__desc)},
-        {"PointStamped", type_of<geometry_msgs_msg_dds__PointStamped_>(geometry_msgs_msg_dds__PointStamped__desc)},
-        {"Odometry", type_of<nav_msgs_msg_dds__Odometry_>(nav_msgs_msg_dds__Odometry__desc)},
-        {"BatteryState", type_of<sensor_msgs_msg_dds__BatteryState_>(sensor_msgs_msg_dds__BatteryState__desc)},
-        {"NavSatFix", type_of<sensor_msgs_msg_dds__NavSatFix_>(sensor_msgs_msg_dds__NavSatFix__desc)},
-        {"Range", type_of<sensor_msgs_msg_dds__Range_>(sensor_msgs_msg_dds__Range__desc)},
-        {"PointCloud2", type_of<sensor_msgs_msg_dds__PointCloud2_>(sensor_msgs_msg_dds__PointCloud2__desc)},
-        {"Image", type_of<sensor_msgs_msg_dds__Image_>(sensor_msgs_msg_dds__Image__desc)},
-        {"Joy", type_of<sensor_msgs_msg_dds__Joy_>(sensor_msgs_msg_dds__Joy__desc)},
-        {"String", type_of<std_msgs_msg_dds__String_>(std_msgs_msg_dds__String__desc)},
-        {"Log", type_of<rcl_interfaces_msg_dds__Log_>(rcl_interfaces_msg_dds__Log__desc)},
-        {"DiagnosticArray", type_of<diagnostic_msgs_msg_dds__DiagnosticArray_>(diagnostic_msgs_msg_dds__DiagnosticArray__desc)},
-        {"TFMessage", type_of<tf2_msgs_msg_dds__TFMessage_>(tf2_msgs_msg_dds__TFMessage__desc)},
-    };
+#define TYPE(package, name) {#name, type_of<MESSAGE(package, name)>(package##_msg_dds__##name##__desc)},
+    static const std::map<std::string, Type> all{EACH_MESSAGE(TYPE)};
     return all;
 }
 

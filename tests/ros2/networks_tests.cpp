@@ -79,6 +79,28 @@ TEST_F(Ros2Networks, an_address_of_another_interface_reaches_its_subscribers) {
     ends_at_once();
 }
 
+TEST_F(Ros2Networks, an_interface_that_is_removed_while_messages_are_published_may_return) {
+    join();
+    start_gateway();
+    start_bridge("{}", {"--interface", "eth"});
+    until_data(*far_listener());
+    for (int round = 0; round < 3; ++round) {
+        net.ip("link del eth");
+        const auto until = Steady::now() + 2s;
+        support::wait_until([&] { return Steady::now() >= until; }, 12s,
+                            [&] {
+                                send(0x01, Bytes(13));
+                                std::this_thread::sleep_for(10ms);
+                            });
+        join();
+        const auto listener = far_listener();
+        until_data(*listener);
+    }
+    EXPECT_LT(log_lines(), 60) << bridge->output();
+    net.ip("link del eth");
+    ends_at_once();
+}
+
 TEST_F(Ros2Networks, a_cable_that_was_off_for_5_s_or_15_s) {
     join();
     start_gateway();

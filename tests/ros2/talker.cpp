@@ -1,5 +1,5 @@
 // A CycloneDDS publisher with types of idlc: talker DOMAIN. Reads commands from its input:
-//     twist TOPIC X Y Z YAW        joy TOPIC AXES VALUE        string TOPIC TEXT
+//     twist TOPIC X Y Z YAW        joy TOPIC AXES VALUE        string TOPIC TEXT        crowd COUNT (further participants)
 // The first command for a topic waits for a subscriber. Prints "sent" for each.
 #include <dds/dds.h>
 
@@ -17,7 +17,8 @@ namespace {
 
 class Talker {
 public:
-    explicit Talker(int domain) : participant_{dds_create_participant(static_cast<dds_domainid_t>(domain), nullptr, nullptr)} {
+    explicit Talker(int domain)
+        : domain_{static_cast<dds_domainid_t>(domain)}, participant_{dds_create_participant(domain_, nullptr, nullptr)} {
         if (participant_ < 0) std::abort();
     }
 
@@ -25,9 +26,15 @@ public:
         std::istringstream words{line};
         std::string what, topic;
         words >> what >> topic;
-        if (what == "twist") {
+        if (what == "crowd") {
+            for (int i = std::atoi(topic.c_str()); i > 0; --i) dds_create_participant(domain_, nullptr, nullptr);
+        } else if (what == "twist") {
             geometry_msgs_msg_dds__Twist_ m{};
-            words >> m.linear.x >> m.linear.y >> m.linear.z >> m.angular.z;
+            for (double* const value : {&m.linear.x, &m.linear.y, &m.linear.z, &m.angular.z}) {
+                std::string word;    // a stream does not read "nan"
+                words >> word;
+                *value = std::atof(word.c_str());
+            }
             write(topic, geometry_msgs_msg_dds__Twist__desc, &m);
         } else if (what == "joy") {
             std::size_t axes = 0;
@@ -65,6 +72,7 @@ private:
         std::fflush(stdout);
     }
 
+    dds_domainid_t domain_;
     dds_entity_t participant_;
     std::map<std::string, dds_entity_t> writers_;
 };

@@ -1,4 +1,4 @@
-// Messages at subscribers of CycloneDDS.
+// Messages at subscribers of CycloneDDS and Fast DDS.
 #include "bridged.hpp"
 
 #include <record/decoded_channels.hpp>
@@ -92,9 +92,15 @@ std::map<std::string, std::vector<std::vector<Json>>> recorded_messages(const st
     return all;
 }
 
-class Ros2Topics : public Bridged {};
+class Ros2Topics : public Bridged {
+protected:
+    /// Sends telemetry until a subscriber received each standard message three times, and compares all of them with the recording.
+    std::unique_ptr<Listener> compare_with_recording(Listener::Of of);
+};
 
-TEST_F(Ros2Topics, standard_messages_at_cyclonedds_equal_the_recording_of_the_same_run) {
+std::string name_of(std::size_t topic) { return "/fc/" + std::string{topic_table()[topic].name}; }
+
+std::unique_ptr<Listener> Ros2Topics::compare_with_recording(Listener::Of of) {
     std::filesystem::create_directory(dir / "recordings");
     const std::string config = dir.write("anogate.json", R"({"links": [")" + device.link("fc") + R"("], "record": {"folder": ")" +
                                                              (dir / "recordings") + R"(", "format": "mcap"}})");
@@ -102,44 +108,57 @@ TEST_F(Ros2Topics, standard_messages_at_cyclonedds_equal_the_recording_of_the_sa
     start_bridge();
     std::vector<std::string> topics;
     for (std::size_t topic = 0; topic < standard_topics; ++topic)
-        topics.push_back("/fc/" + std::string{topic_table()[topic].name} + "=" + topic_table()[topic].type->name);
-    Listener listener{topics};
-    ASSERT_TRUE(until_connected()) << bridge->output();
+        topics.push_back(name_of(topic) + "=" + topic_table()[topic].type->name);
+    auto listener = std::make_unique<Listener>(topics, "lo", of);
+    EXPECT_TRUE(until_connected()) << bridge->output();
     unsigned round = 1;
     const auto heard_all = [&] {
         for (std::size_t topic = 0; topic < standard_topics; ++topic)
-            if (listener.count("/fc/" + std::string{topic_table()[topic].name}) < 3) return false;
+            if (listener->count(name_of(topic)) < 3) return false;
         return true;
     };
     const std::uint16_t port = gateway->port("fc");
-    ASSERT_TRUE(support::wait_until(heard_all, support::patience, [&] {
+    EXPECT_TRUE(support::wait_until(heard_all, support::patience, [&] {
         for (const auto& [id, data] : telemetry(round)) device.send(port, support::frame(5, 0xFE, id, data));
         ++round;
         std::this_thread::sleep_for(50ms);
     })) << bridge->output();
-    const std::size_t received = listener.heard().size();
+    const std::size_t received = listener->heard().size();
     gateway->signal(SIGTERM);
     gateway->wait();
     std::string file;
     for (const auto& entry : std::filesystem::directory_iterator{dir / "recordings"}) file = support::file_text(entry.path());
     const auto recorded = recorded_messages(file);
     for (std::size_t i = 0; i < received; ++i) {
-        const Heard& message = listener.heard()[i];
+        const Heard& message = listener->heard()[i];
         const auto all = recorded.find(message.topic);
-        ASSERT_NE(all, recorded.end()) << message.topic;
+        if (all == recorded.end()) {
+            ADD_FAILURE() << message.topic << " was not recorded";
+            continue;
+        }
         EXPECT_TRUE(std::any_of(all->second.begin(), all->second.end(),
                                 [&](const std::vector<Json>& one) { return are_same(one, message.values); }))
             << message.topic << " " << message.values.dump() << "\n"
             << Json(all->second.back()).dump();
     }
+    return listener;
+}
+
+TEST_F(Ros2Topics, standard_messages_at_cyclonedds_equal_the_recording_of_the_same_run) {
+    const auto listener = compare_with_recording(Listener::Of::cyclone);
     // Every endpoint states the hash of its type.
-    ASSERT_EQ(listener.matched().size(), standard_topics);
-    for (const std::string& line : listener.matched()) {
+    ASSERT_EQ(listener->matched().size(), standard_topics);
+    for (const std::string& line : listener->matched()) {
         if (line.starts_with("/fc/imu/data")) {
             EXPECT_EQ(line, "/fc/imu/data typehash=RIHS01_7d9a00ff131080897a5ec7e26e315954b8eae3353c3f995c55faf71574000b5b;");
         }
         EXPECT_NE(line.find(" typehash=RIHS01_"), std::string::npos) << line;
     }
+}
+
+TEST_F(Ros2Topics, standard_messages_at_fast_dds_equal_the_recording_of_the_same_run) {
+    if (std::string{FAST_LISTENER}.empty()) GTEST_SKIP() << "fastddsgen is not installed";
+    compare_with_recording(Listener::Of::fast);
 }
 
 TEST_F(Ros2Topics, sticks_log_lines_transforms_and_diagnostics_arrive) {

@@ -247,6 +247,19 @@ TEST(Bridge, a_second_publisher_controls_nothing_meanwhile) {
     EXPECT_NE(b.bus.on("/diagnostics").front().dump().find("cmd_vel ignored: from a second publisher"), std::string::npos);
 }
 
+TEST(Bridge, publishers_that_take_turns_cause_at_most_20_lines_per_minute) {
+    Bridged b{velocities};
+    for (int turn = 0; turn < 200; ++turn) {
+        b.report_mode(2);
+        b.publish("/drone/cmd_vel", twist(1, 0, 0, 0), static_cast<std::uint8_t>(turn));
+        b.now += 600ms;
+        b.bridge.on_time(b.now);
+    }
+    EXPECT_LE(b.output.lines.size(), 60u);    // within 2 minutes
+    EXPECT_GT(b.output.lines.size(), 20u);
+    EXPECT_NE(b.output.lines[19].find("not shown"), std::string::npos);
+}
+
 TEST(Bridge, without_a_configuration_there_are_no_inputs) {
     Bridged b;
     b.receive(5, inertial_id, Bytes(13));
