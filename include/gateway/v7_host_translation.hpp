@@ -22,14 +22,18 @@ namespace anogate {
 /// has no types, the device is asked for the type of a parameter before its value.
 class V7HostTranslation final : public V7LinkTranslation {
 public:
-    explicit V7HostTranslation(V7Settings settings) : V7LinkTranslation{std::move(settings)} {}
+    explicit V7HostTranslation(V7Settings settings) : V7LinkTranslation{std::move(settings)} {
+        if (settings_.lines) ++settings_.lines->of_programs;
+    }
+    ~V7HostTranslation() override {
+        if (settings_.lines) --settings_.lines->of_programs;
+    }
 
     void up(ano::v7::FrameView frame, ano::TimePoint now, V7Output& output) override;
     void down(ano::FrameView frame, ano::TimePoint now, V7Output& output) override;
     void expire(ano::TimePoint now, V7Output& output) override;
     std::optional<ano::TimePoint> deadline() const noexcept override;
     void reset() noexcept override;
-    bool knows_loop() const noexcept override { return loops_ >= loops_of_hint; }
 
     /// The value of an unused parameter.
     static constexpr std::int32_t no_parameter = INT32_MIN;
@@ -47,23 +51,10 @@ private:
         bool is_of_device = false;    // a number that the device information answers
     };
 
-    /// Of equal frames, each of which may be of the host program or have been sent by a device link of this gateway.
-    struct Rounds {
-        bool has_begun = false;    // with one that was accepted
-        int count = 0;             // accepted in a row
-        int most = 10;             // then one is dropped
-        // One was dropped: if an equal one arrives until then although none was sent, the program sends them on its own.
-        ano::TimePoint goes_on_until{};
-    };
-    static constexpr ano::Duration joined_for = std::chrono::seconds{60};
-    static constexpr int loops_of_hint = 3;    // a host program may send the same as another host just did
-
     // from the host program
-    /// Whether it is no frame of the host program, but one that a device link of this gateway sent: the wires are connected.
-    bool is_of_own_device_link(ano::v7::FrameView frame) noexcept;
-    /// For a frame that may be one that was sent. `is_repetition`: if it is of the program, the device got the same just before.
-    bool is_round(const Rounds& rounds, bool is_repetition) noexcept;
-    void note_program(Rounds& rounds) noexcept;
+    void probe_up(std::uint32_t line) noexcept;
+    /// Whether what arrives was sent to a device by this gateway: the wires of both links are connected.
+    bool is_connected() const noexcept { return connected_at_ && now_ - *connected_at_ < V7EchoWatch::holds; }
     std::uint8_t host_of(std::uint8_t v7_id) const noexcept { return source_of(v7_id, ano::address::host); }
     void send_to_device(std::uint8_t v7_id, std::uint8_t id, Data data, V7Output& output) {
         send_up(host_of(v7_id), settings_.address, id, data, output);
@@ -107,10 +98,7 @@ private:
     double scale_of(std::uint16_t index, ano::Type type) const noexcept;
 
     Altitude alt_bar_;
-    // For longer than a frame of the host program may wait before it is sent to the device.
-    ExpiringCache<Rounds> rounds_{std::chrono::seconds{10}, 512};
-    std::optional<ano::TimePoint> joined_at_{};       // wires are connected: a frame was dropped for it
-    int loops_ = 0;                                   // frames dropped as rounds, up to loops_of_hint
+    std::optional<ano::TimePoint> connected_at_{};    // when a probe of a device link of this gateway arrived last
     ExpectedAcks to_host_;                            // acknowledgements of the device, of frames of the host program
     std::array<KnownType, 256> types_{};              // by index, the last ones that were asked for
     std::array<Request, max_waiting + 1> queue_{};    // a ring

@@ -9,6 +9,7 @@
 #include <ano/time.hpp>
 #include <ano/v7.hpp>
 #include <gateway/v7_echo_watch.hpp>
+#include <gateway/v7_nested_frames.hpp>
 
 #include <array>
 #include <bitset>
@@ -85,9 +86,7 @@ struct V7Settings {
     std::size_t max_data = 44;                // the largest DATA sent to the device; at most 255
     std::string name{};                       // in the device information; empty: after `address`
     std::uint32_t line = 0;                   // a random number, see V7EchoWatch; 0: no probes are sent
-    // The frames of all links with devices of this gateway that were not answered yet; must outlive the translation. nullptr: a loop
-    // of a device link and a host link is not detected.
-    V7SentFrames* sent_to_devices = nullptr;
+    V7Lines* lines = nullptr;                 // of this gateway; must outlive the translation. nullptr: there are no others
 
     static std::bitset<256> default_down();
 };
@@ -206,14 +205,8 @@ public:
     std::uint64_t dropped() const noexcept { return dropped_; }
     /// The counter of the last one; nullptr: none was dropped yet.
     std::uint64_t V7Counters::*last_drop() const noexcept { return last_drop_; }
-    /// Whether frames were dropped with V7Counters::up_loop, and nothing shows that they were of somebody else. For the hint.
-    virtual bool knows_loop() const noexcept { return counters_.up_loop > 0; }
 
-    /// Whether a device without knowledge of the sender would take a frame with this id for a measurement of its own. Such a frame
-    /// is never sent to it.
-    static constexpr bool is_of_own_sensor(std::uint8_t id) noexcept {
-        return (id >= 0x01 && id <= 0x0F) || id == 0x20 || id == 0x21;
-    }
+    static constexpr bool is_of_own_sensor(std::uint8_t id) noexcept { return V7NestedFrames::is_of_own_sensor(id); }
 
 protected:
     using Data = std::span<const std::uint8_t>;
@@ -234,7 +227,6 @@ protected:
         Origin origin;
         ano::TimePoint at{};
         bool waits = false;
-        std::uint64_t key = 0;    // of the frame sent to a device, V7SentFrames::key_of()
     };
     /// The last frames of one direction whose acknowledgement is expected; equal ones are answered in their order.
     struct ExpectedAcks {
@@ -300,6 +292,7 @@ public:
     static constexpr ano::Duration presence = std::chrono::seconds{3};
 
     explicit V7Translation(V7Settings settings);
+    ~V7Translation() override;
 
     void up(ano::v7::FrameView frame, ano::TimePoint now, V7Output& output) override;
     void down(ano::FrameView frame, ano::TimePoint now, V7Output& output) override;
@@ -332,17 +325,8 @@ private:
     bool is_for_device(std::uint8_t destination) const noexcept;
     /// Whether a V7 frame with this id for the device `asked` reaches no other device of the line.
     bool reaches_only(std::uint8_t asked, std::uint8_t v7_id) const noexcept;
-    /// For the links with host programs. After a different command, the one before has an effect again: it is no repetition.
-    void note_sent(ano::v7::FrameView frame) noexcept;
     /// Counts a frame that was sent by a gateway.
     bool has_returned(ano::v7::FrameView frame) noexcept;
-    /// The device has received a frame that was sent to it.
-    void note_answered(std::uint64_t key) noexcept {
-        if (settings_.sent_to_devices) settings_.sent_to_devices->forget(key, now_);
-    }
-    void note_answered(const Request& request) noexcept {
-        note_answered(V7SentFrames::key_of(ano::v7::FrameView{request.frame()}));
-    }
     std::uint8_t receiver(std::uint8_t asked, std::uint8_t v7_id) const noexcept;
     Origin origin_of(ano::FrameView frame) const noexcept;
 
@@ -359,12 +343,11 @@ private:
     std::optional<std::uint16_t> index_of(std::uint16_t number, std::uint8_t device) const noexcept;
     void send_parameter(const Origin& to, std::uint16_t index, std::int32_t value, V7Output& output);
 
-    // down: each function that sends to the device ends in send_down()
-    void send_down(Data frame, V7Output& output);
+    // down: each function that sends to the device ends in send_down(); false: the frame was dropped
+    bool send_down(Data frame, V7Output& output);
     void send_down(std::uint8_t v8_destination, std::uint8_t id, Data data, V7Output& output) override;
+    bool needs_probe(std::uint8_t v7_id) const noexcept;
     void send_probe(V7Output& output);
-    /// Why a frame within `frame` must not reach the device; std::nullopt: there is none, or it may.
-    static std::optional<Count> forbidden_within(ano::v7::FrameView frame) noexcept;
     void command_down(const Origin& origin, Data data, ano::TimePoint now, V7Output& output);
     void waypoint_down(const Origin& origin, Data data, ano::TimePoint now, V7Output& output);
     void parameter_command_down(const Origin& origin, Data data, ano::TimePoint now, V7Output& output);
@@ -394,7 +377,7 @@ private:
     Request request_of(const Origin& origin, std::uint8_t v7_id, Data data, std::uint16_t subject) const noexcept;
     void remove_first() noexcept;
     void begin_next(ano::TimePoint now, V7Output& output);
-    void send_request(ano::TimePoint now, V7Output& output);
+    bool send_request(ano::TimePoint now, V7Output& output);
     void end_request(ano::TimePoint now, V7Output& output, std::optional<std::int32_t> value = {});
     bool is_in_flight(std::uint8_t v7_id, std::uint16_t subject) const noexcept {
         return in_flight_ && queue_[first_].id() == v7_id && queue_[first_].subject == subject;
@@ -404,8 +387,9 @@ private:
 
     Altitude alt_bar_, alt_fu_;
     std::optional<ano::TimePoint> last_frame_{};
-    std::optional<std::uint64_t> last_command_{};    // V7SentFrames::key_of() of the last one sent
-    std::array<Version, 3> versions_{};              // parameters 2, 3 and 4 of versions_of_
+    V7NestedFrames nested_;
+    std::uint32_t times_passed_on_ = 0;    // V7Lines::times_passed_on when the last one was sent
+    std::array<Version, 3> versions_{};    // parameters 2, 3 and 4 of versions_of_
     std::uint8_t versions_of_ = 0;
 
     ExpectedAcks to_host_;                            // acknowledgements of the device, of requests of hosts

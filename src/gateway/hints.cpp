@@ -225,14 +225,14 @@ Hint trouble(const LinkFigures& link, bool with_details) {
     const ReceiveCounters& in = link.received;
     if (!link.up) return {};
     if (link.is_exclusive) return {"exclusive_use", "a terminal uses this link exclusively: no frames are sent to it"};
-    if (Hint hint = trouble_in(link, with_details); !hint.id.empty()) return hint;
-    if (!link.ring_back.empty()) return ring(link);    // first: its copies look like one device on two links
-    if (link.shared != SharedSource::none) return shared(link);
-    if (link.v7_loops)
+    if (link.v7_loops)    // first: frames that are dropped look like bytes without frames
         return {
             "v7_loop",
             "the other end of this line is a V7 link of a gateway: disconnect it, or set v7_role=host at one end if it joins two "
             "gateways"};
+    if (Hint hint = trouble_in(link, with_details); !hint.id.empty()) return hint;
+    if (!link.ring_back.empty()) return ring(link);    // first: its copies look like one device on two links
+    if (link.shared != SharedSource::none) return shared(link);
     if (link.echoes) return {"echo", "the line echoes sent frames: disable the receiver while sending, or ignore this"};
     if (link.v7_commands)
         return {"v7_commands",

@@ -24,12 +24,6 @@ constexpr std::uint16_t first_of_device = 1, last_of_device = 4;    // V7 parame
 
 bool is_of_device(std::uint16_t number) noexcept { return number >= first_of_device && number <= last_of_device; }
 
-bool is_emergency_stop(v7::FrameView frame) noexcept {
-    constexpr std::array<std::uint8_t, 3> stop{0x10, 0x00, 0x02};
-    const auto data = frame.data();
-    return frame.id() == 0xE0 && data.size() >= stop.size() && std::equal(stop.begin(), stop.end(), data.begin());
-}
-
 // The number as V7 has it; std::nullopt: it has no such number.
 std::optional<std::int32_t> number_in_v7(std::span<const std::uint8_t> bytes, ano::Type type, double scale) noexcept {
     if (type == ano::Type::text || bytes.size() < ano::width(type)) return std::nullopt;
@@ -60,9 +54,7 @@ void V7HostTranslation::reset() noexcept {
     alt_bar_ = {};
     to_host_ = {};
     echoes_.reset();
-    rounds_.keep_if([](std::uint64_t, const auto&) { return false; });
-    joined_at_.reset();
-    loops_ = 0;
+    connected_at_.reset();
     types_ = {};
     first_ = size_ = 0;
     in_flight_ = is_written_ = false;
@@ -76,7 +68,8 @@ void V7HostTranslation::up(v7::FrameView frame, ano::TimePoint now, V7Output& ou
     const Data data = frame.data();
     now_ = now;
     if (echoes_.is_back(frame, now)) return drop(&V7Counters::up_echo);
-    if (is_of_own_device_link(frame)) return drop(&V7Counters::up_loop);
+    if (const auto line = V7EchoWatch::line_of(frame)) return probe_up(*line);
+    if (is_connected()) return drop(&V7Counters::up_loop);
     if (is_of_own_sensor(id)) return drop(&V7Counters::up_own_sensor);
     if (id == 0x00) return drop(&V7Counters::up_unmatched);
     if (v7::table::is_new_in_v8(id)) return drop(&V7Counters::up_no_counterpart);
@@ -96,41 +89,17 @@ void V7HostTranslation::up(v7::FrameView frame, ano::TimePoint now, V7Output& ou
     else rebuild_up(frame, output);
 }
 
-// What the host program sent is sent to the device in turn. If the program repeats it then, that looks like a round through
-// connected wires. Some rounds are accepted, then one is dropped: the program goes on, a frame that circulates does not.
-bool V7HostTranslation::is_of_own_device_link(v7::FrameView frame) noexcept {
-    if (!settings_.sent_to_devices) return false;
-    const std::uint64_t key = V7SentFrames::key_of(frame);
-    const Rounds* const known = rounds_.find(key, now_);
-    Rounds rounds = known ? *known : Rounds{};
-    const auto sent = settings_.sent_to_devices->returned(key, now_);
-    const bool is_own = sent && is_round(rounds, sent->is_unanswered && !is_emergency_stop(frame));
-    if (is_own) rounds.goes_on_until = now_ + 2 * sent->age + std::chrono::milliseconds{50};
-    else if (sent) ++rounds.count;
-    else if (now_ < rounds.goes_on_until) note_program(rounds);
-    else rounds.count = 0;
-    rounds.has_begun = rounds.has_begun || !is_own;
-    rounds_.put(key, rounds, now_);
-    return is_own;
-}
-
-bool V7HostTranslation::is_round(const Rounds& rounds, bool is_repetition) noexcept {
-    if (rounds.count >= rounds.most || (joined_at_ && now_ - *joined_at_ < joined_for)) {
-        joined_at_ = now_;
-        loops_ = loops_of_hint;
-        return true;
+// One of another gateway may be on its way through this one in a loop.
+void V7HostTranslation::probe_up(std::uint32_t line) noexcept {
+    if (!settings_.lines) return drop(&V7Counters::up_no_counterpart);
+    const auto& own = settings_.lines->of_devices;
+    if (std::find(own.begin(), own.end(), line) != own.end()) {
+        connected_at_ = now_;
+        return drop(&V7Counters::up_loop);
     }
-    if (rounds.has_begun || !is_repetition) return false;
-    loops_ = std::min(loops_ + 1, loops_of_hint);
-    return true;
-}
-
-void V7HostTranslation::note_program(Rounds& rounds) noexcept {
-    rounds.count = 0;
-    rounds.most = std::min(2 * rounds.most, 64 * Rounds{}.most);
-    rounds.goes_on_until = {};
-    joined_at_.reset();
-    loops_ = 0;
+    settings_.lines->passed_on = line;
+    ++settings_.lines->times_passed_on;
+    drop(&V7Counters::up_no_counterpart);
 }
 
 void V7HostTranslation::rebuild_up(v7::FrameView frame, V7Output& output) {
@@ -158,7 +127,7 @@ void V7HostTranslation::send_acknowledged(const Origin& origin, std::uint8_t id,
 
 void V7HostTranslation::command_up(const Origin& origin, Data data, ano::TimePoint now, V7Output& output) {
     if (data.size() < 3 || data.size() > v7_command_size) return drop(&V7Counters::up_malformed);
-    if (erases_firmware(data)) return drop(&V7Counters::up_erase);
+    if (v7_erases_firmware(data)) return drop(&V7Counters::up_erase);
     send_acknowledged(origin, 0xC0, data, now, output);
 }
 

@@ -43,10 +43,6 @@ std::optional<V7Distance> distance_in_v7(V7Range range, std::uint8_t type, std::
 /// A distance of type 100.
 std::optional<V7Distance> scanned_distance_in_v7(V7Range range, const std::uint8_t* pair) noexcept;
 
-/// The command that erases the firmware of an LX IMU.
-constexpr bool erases_firmware(std::span<const std::uint8_t> command) noexcept {
-    return command.size() >= 3 && command[0] == 0x01 && command[1] == 0x20 && command[2] == 0xAA;
-}
 inline constexpr std::size_t v7_command_size = 11;
 inline constexpr std::uint8_t v8_scan = 100;    // the type of 0x34 with angles
 

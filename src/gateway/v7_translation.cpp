@@ -103,6 +103,11 @@ std::optional<V7LinkTranslation::Expected> V7LinkTranslation::ExpectedAcks::take
 
 V7Translation::V7Translation(V7Settings settings) : V7LinkTranslation{std::move(settings)} {
     if (settings_.name.empty()) settings_.name = "V7 " + std::string{ano::address::who(settings_.address)};
+    if (settings_.lines) settings_.lines->of_devices.push_back(echoes_.line());
+}
+
+V7Translation::~V7Translation() {
+    if (settings_.lines) std::erase(settings_.lines->of_devices, echoes_.line());
 }
 
 void V7Translation::reset() noexcept {
@@ -111,6 +116,7 @@ void V7Translation::reset() noexcept {
     versions_ = {};
     to_host_ = {};
     echoes_.reset();
+    nested_.reset();
     first_ = size_ = 0;
     in_flight_ = false;
     times_sent_ = 0;
@@ -236,7 +242,6 @@ void V7Translation::check_up(v7::FrameView frame, ano::TimePoint now, V7Output& 
     const ano::Checks checks{data[1], data[2]};
     const auto expected = to_host_.take(data[0], checks, now);
     if (!expected) return drop(&V7Counters::up_unmatched);
-    note_answered(expected->key);
     const Origin& origin = expected->origin;
     const std::uint8_t acknowledged[]{origin.id, origin.checks.sum, origin.checks.add};
     send_up(origin.asked, origin.host, 0x00, acknowledged, output);
@@ -257,7 +262,6 @@ void V7Translation::parameter_up(v7::FrameView frame, ano::TimePoint now, V7Outp
     if (!to_all && !ano::address::is_host(v8_address_of(frame.destination()))) return drop(&V7Counters::up_command);
     if (asked) {
         const Request& request = queue_[first_];
-        note_answered(request);
         if (!request.is_own) send_parameter(request.origin, request.index, value, output);
         return end_request(now, output, value);
     }
@@ -293,7 +297,6 @@ bool V7Translation::waypoint_up(v7::FrameView frame, ano::TimePoint now, V7Outpu
     if (data.empty() || !in_flight_ || queue_[first_].id() != 0x60) return false;
     const Request& request = queue_[first_];
     if (frame.id() == 0x61 && request.subject != data[0]) return false;
-    note_answered(request);
     send_up(request.origin.asked, request.origin.host, frame.id(), data, output);
     end_request(now, output);
     return true;

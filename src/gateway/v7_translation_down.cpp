@@ -94,46 +94,44 @@ void V7Translation::down(ano::FrameView frame, ano::TimePoint now, V7Output& out
 }
 
 // The only way to the device: whatever was translated above, these two laws hold.
-void V7Translation::send_down(Data bytes, V7Output& output) {
+bool V7Translation::send_down(Data bytes, V7Output& output) {
     const v7::FrameView frame{bytes};
-    if (is_of_own_sensor(frame.id())) return drop(&V7Counters::down_own_sensor);
-    if (frame.id() == 0xE0 && erases_firmware(frame.data())) return drop(&V7Counters::down_erase);
-    if (const auto nested = forbidden_within(frame)) return drop(*nested);
-    if (!V7EchoWatch::asks_or_acts(frame.id())) send_probe(output);
+    if (needs_probe(frame.id())) send_probe(output);
+    auto nested = nested_.add(bytes);
+    if (nested == V7NestedFrames::Found::begun_before) {    // a probe between the two takes them apart
+        send_probe(output);
+        nested = nested_.add(bytes);
+    }
+    if (nested != V7NestedFrames::Found::nothing) {
+        drop(nested_.is_erasing() ? &V7Counters::down_erase : &V7Counters::down_own_sensor);
+        return false;
+    }
     ++counters_.down;
     echoes_.sent(frame, now_);
-    note_sent(frame);
     output.to_device(frame);
+    return true;
 }
 
-void V7Translation::note_sent(v7::FrameView frame) noexcept {
-    if (!settings_.sent_to_devices) return;
-    const std::uint64_t key = V7SentFrames::key_of(frame);
-    if (frame.id() == 0xE0) {
-        if (last_command_ && *last_command_ != key) settings_.sent_to_devices->forget(*last_command_, now_);
-        last_command_ = key;
-    }
-    settings_.sent_to_devices->add(key, now_);
-}
-
-// A device that lost the header searches in the rest.
-std::optional<V7Translation::Count> V7Translation::forbidden_within(v7::FrameView frame) noexcept {
-    const Data bytes = frame.bytes();
-    for (auto at = std::next(bytes.begin());; ++at) {
-        at = std::find(at, bytes.end(), v7::head);
-        if (at == bytes.end()) return std::nullopt;
-        const auto nested = v7::frame_at({at, bytes.end()});
-        if (!nested) continue;
-        if (is_of_own_sensor(nested->id())) return &V7Counters::down_own_sensor;
-        if (nested->id() == 0xE0 && erases_firmware(nested->data())) return &V7Counters::down_erase;
-    }
+// If a link with a host program is connected with this one, what is sent arrives there, and would be sent again. A command or
+// write acts in each round, so none depends on a probe before it that the line may have damaged.
+bool V7Translation::needs_probe(std::uint8_t v7_id) const noexcept {
+    const bool has_programs = settings_.lines && settings_.lines->of_programs > 0;
+    if (!has_programs) return !V7EchoWatch::asks_or_acts(v7_id) && echoes_.is_probe_due(now_);
+    return v7_id == 0xE0 || v7_id == 0xE2 || v7_id == 0x61 || echoes_.is_probe_due(now_);
 }
 
 void V7Translation::send_probe(V7Output& output) {
-    const auto probe = settings_.max_data >= V7EchoWatch::probe_data ? echoes_.next_probe(now_) : std::nullopt;
-    if (!probe) return;
-    ++counters_.down;
-    output.to_device(*probe);
+    if (settings_.max_data < V7EchoWatch::probe_data) return;
+    const auto send = [&](v7::FrameView probe) {
+        if (nested_.add(probe.bytes()) != V7NestedFrames::Found::nothing) return;
+        ++counters_.down;
+        output.to_device(probe);
+    };
+    if (settings_.lines && settings_.lines->times_passed_on != times_passed_on_) {
+        times_passed_on_ = settings_.lines->times_passed_on;
+        send(v7::FrameView{V7EchoWatch::probe_of(settings_.lines->passed_on)});
+    }
+    if (const auto probe = echoes_.probe(now_)) send(*probe);
 }
 
 void V7Translation::send_down(std::uint8_t v8_destination, std::uint8_t id, Data data, V7Output& output) {
@@ -144,16 +142,15 @@ void V7Translation::send_down(std::uint8_t v8_destination, std::uint8_t id, Data
 // Not one of the requests that wait for each other: an emergency stop is sent at once.
 void V7Translation::command_down(const Origin& origin, Data data, ano::TimePoint now, V7Output& output) {
     if (data.size() < 3) return drop(&V7Counters::down_malformed);
-    if (erases_firmware(data)) return drop(&V7Counters::down_erase);
+    if (v7_erases_firmware(data)) return drop(&V7Counters::down_erase);
     if (!reaches_only(origin.asked, 0xE0)) return drop(&V7Counters::down_other_device);
     if (data.size() > v7_command_size || v7_command_size > settings_.max_data) return drop(&V7Counters::down_too_big);
     std::array<std::uint8_t, v7_command_size> command{};
     std::copy(data.begin(), data.end(), command.begin());
     const std::size_t size = v7::encode(v7_, receiver(origin.asked, 0xE0), 0xE0, command);
     const v7::FrameView frame{Data{v7_}.first(size)};
-    if (settings_.ack == V7Ack::device) expect(to_host_, {0xE0, frame.checks(), origin, now, true, V7SentFrames::key_of(frame)});
-    send_down(frame.bytes(), output);
-    if (settings_.ack == V7Ack::sent) acknowledge(origin, output);
+    if (settings_.ack == V7Ack::device) expect(to_host_, {0xE0, frame.checks(), origin, now, true});
+    if (send_down(frame.bytes(), output) && settings_.ack == V7Ack::sent) acknowledge(origin, output);
 }
 
 void V7Translation::waypoint_down(const Origin& origin, Data data, ano::TimePoint now, V7Output& output) {
@@ -396,8 +393,8 @@ void V7Translation::ask(const Origin& origin, std::uint8_t v7_id, Data data, std
     if (!reaches_only(origin.asked, v7_id)) return drop(&V7Counters::down_other_device);
     Request request = request_of(origin, v7_id, data, subject);
     if (const auto equal = find_equal(origin, request)) {
-        if (*equal == 0 && may_be_sent_again(now)) return send_request(now, output);
-        ++counters_.merged;
+        if (*equal == 0 && may_be_sent_again(now)) send_request(now, output);
+        else ++counters_.merged;
         return;
     }
     if (size_ == queue_.size()) return drop(&V7Counters::down_queue_full);
@@ -408,22 +405,21 @@ void V7Translation::ask(const Origin& origin, std::uint8_t v7_id, Data data, std
 
 void V7Translation::begin_next(ano::TimePoint now, V7Output& output) {
     while (!in_flight_ && size_ > 0) {
-        send_request(now, output);
+        const bool is_sent = send_request(now, output);
         if (asks_for_data(queue_[first_]) || settings_.ack == V7Ack::device) continue;
-        acknowledge(queue_[first_].origin, output);
+        if (is_sent) acknowledge(queue_[first_].origin, output);
         remove_first();
     }
 }
 
-void V7Translation::send_request(ano::TimePoint now, V7Output& output) {
+bool V7Translation::send_request(ano::TimePoint now, V7Output& output) {
     const Request& request = queue_[first_];
     in_flight_ = true;
     ++times_sent_;
     due_ = now + settings_.repeat_interval;
     if (!asks_for_data(request) && settings_.ack == V7Ack::device)
-        expect(to_host_, {request.id(), v7::FrameView{request.frame()}.checks(), request.origin, now, true,
-                          V7SentFrames::key_of(v7::FrameView{request.frame()})});
-    send_down(request.frame(), output);
+        expect(to_host_, {request.id(), v7::FrameView{request.frame()}.checks(), request.origin, now, true});
+    return send_down(request.frame(), output);
 }
 
 void V7Translation::remove_first() noexcept {
@@ -445,7 +441,10 @@ void V7Translation::expire(ano::TimePoint now, V7Output& output) {
     now_ = now;
     if (!in_flight_ || now < due_) return;
     const Request& request = queue_[first_];
-    if (asks_for_data(request) && times_sent_ < settings_.repeats) return send_request(now, output);
+    if (asks_for_data(request) && times_sent_ < settings_.repeats) {
+        send_request(now, output);
+        return;
+    }
     ++counters_.unanswered;
     end_request(now, output);
 }

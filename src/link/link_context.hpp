@@ -9,7 +9,7 @@ class AlarmClock;
 class DatagramBatch;
 class DatagramSender;
 class Resolver;
-class V7SentFrames;
+struct V7Lines;
 
 struct LinkContext {
     asio::io_context& io;
@@ -18,7 +18,7 @@ struct LinkContext {
     DatagramBatch& batch;
     DatagramSender& sender;
     Resolver& names;
-    V7SentFrames& v7_sent_to_devices;
+    V7Lines& v7_lines;
 };
 
 }    // namespace anogate

@@ -21,7 +21,7 @@ std::unique_ptr<V7LinkTranslation> translation_for(const V7LinkSettings& v7, con
     V7Settings settings = v7.translation();
     settings.port_id = link.id;
     settings.line = std::random_device{}();
-    settings.sent_to_devices = &context.v7_sent_to_devices;
+    settings.lines = &context.v7_lines;
     if (v7.role == V7Role::host) return std::make_unique<V7HostTranslation>(std::move(settings));
     return std::make_unique<V7Translation>(std::move(settings));
 }
@@ -50,13 +50,12 @@ void V7Edge::translate_received() {
     }
     raw_ = {};
     if (translation_->dropped() != noted_drops_) note_drops(now);
-    if (!translation_->knows_loop()) channel_->v7.loop.reset();
 }
 
 void V7Edge::note_drops(TimePoint now) {
     const V7Counters& is = translation_->counters();
     if (is.up_echo != noted_.up_echo) channel_->v7.echo = now;
-    if (is.up_loop != noted_.up_loop && translation_->knows_loop()) channel_->v7.loop = now;
+    if (is.up_loop != noted_.up_loop) channel_->v7.loop = now;
     if (is.up_command != noted_.up_command) channel_->v7.command = now;
     noted_ = is;
     noted_drops_ = translation_->dropped();

@@ -81,7 +81,7 @@ std::uint8_t Gateway::group_number(const std::string& group) {
 
 LinkId Gateway::add_link(const LinkSettings& link) {
     const LinkId id = forwarder_.add_link(forwarder_link(link, group_number(link.group), settings_.aliases));
-    add(link.kind->make(id, link, {io_, alarms_, *this, batch_, sender_, names_, v7_sent_to_devices_}));
+    add(link.kind->make(id, link, {io_, alarms_, *this, batch_, sender_, names_, v7_lines_}));
     if (link.kind->carries == Carries::bytes) streams_.insert(id);
     return id;
 }
@@ -89,8 +89,7 @@ LinkId Gateway::add_link(const LinkSettings& link) {
 LinkId Gateway::add_tunnel() {
     const LinkId id = forwarder_.add_link(forwarder_link(TunnelLink::link_settings(settings_), 0, {}));
     auto tunnel = std::make_unique<TunnelLink>(id, settings_, wrap_targets(),
-                                               LinkContext{io_, alarms_, *this, batch_, sender_, names_, v7_sent_to_devices_},
-                                               forwarder_);
+                                               LinkContext{io_, alarms_, *this, batch_, sender_, names_, v7_lines_}, forwarder_);
     tunnel_ = tunnel.get();
     add(std::move(tunnel));
     connect_tunnel();
@@ -133,7 +132,7 @@ LinkId Gateway::add_control() {
     link.route.may_have_devices = false;    // its clients are programs
     const LinkId id = forwarder_.add_link(link);
     auto control = std::make_unique<ControlLink>(
-        id, std::move(settings), LinkContext{io_, alarms_, *this, batch_, sender_, names_, v7_sent_to_devices_}, forwarder_);
+        id, std::move(settings), LinkContext{io_, alarms_, *this, batch_, sender_, names_, v7_lines_}, forwarder_);
     control_ = control.get();
     add(std::move(control));
     return id;

@@ -180,7 +180,7 @@ private:
     DatagramBatch batch_;
     DatagramSender sender_;
     Resolver names_{io_};
-    V7SentFrames v7_sent_to_devices_;
+    V7Lines v7_lines_;
     Forwarder forwarder_;
     std::unique_ptr<Gpio> gpio_;
     std::vector<LinkState> links_;    // after all members that links refer to; in configuration order

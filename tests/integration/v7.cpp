@@ -29,11 +29,11 @@ using Frames = std::vector<Bytes>;
 constexpr std::uint8_t host = 0xFE, imu = 0xDD, flow = 0xDE;
 const std::string v7_keys = ",name=fc,protocol=v7,v7_device=0xDD,v7_params=lx";
 
-/// The V7 frames at the beginning of `bytes`, which are removed.
+/// The V7 frames at the beginning of `bytes`, which are removed, without the probes of the gateway.
 Frames take_v7_frames(std::span<const std::uint8_t>& bytes) {
     Frames all;
     while (const auto frame = ano::v7::frame_at(bytes)) {
-        all.emplace_back(frame->bytes().begin(), frame->bytes().end());
+        if (frame->id() != 0xFB) all.emplace_back(frame->bytes().begin(), frame->bytes().end());
         bytes = bytes.subspan(frame->bytes().size());
     }
     return all;
@@ -43,6 +43,11 @@ Frames v7_frames(std::span<const std::uint8_t> bytes) {
     Frames all = take_v7_frames(bytes);
     EXPECT_TRUE(bytes.empty()) << "outside of frames";
     return all;
+}
+
+bool is_one_frame(std::span<const std::uint8_t> bytes) {
+    const auto frame = ano::v7::frame_at(bytes);
+    return frame && frame->bytes().size() == bytes.size();
 }
 
 /// The device's end of one kind of link.
@@ -91,7 +96,7 @@ public:
     Bytes read() override {
         Bytes all;
         for (const Bytes& datagram : peer.datagrams()) {
-            EXPECT_EQ(v7_frames(datagram).size(), 1u);
+            EXPECT_TRUE(is_one_frame(datagram));
             all = std::move(all) + datagram;
         }
         return all;
@@ -134,7 +139,7 @@ public:
     Bytes read() override {
         Bytes all;
         for (const Bytes& datagram : peer.datagrams()) {
-            EXPECT_EQ(v7_frames(datagram).size(), 1u);
+            EXPECT_TRUE(is_one_frame(datagram));
             all = std::move(all) + datagram;
         }
         return all;
@@ -166,7 +171,8 @@ public:
 /// A host, the gateway and a device.
 class Line {
 public:
-    explicit Line(Wire& wire, const std::string& keys = v7_keys) : wire_{wire} {
+    explicit Line(Wire& wire, const std::string& keys = v7_keys)
+        : wire_{wire}, has_program_{keys.find("v7_role=host") != keys.npos} {
         gateway = std::make_unique<RunningGateway>(settings_of_texts({wire.link() + keys, ground.link("ground")}));
         wire.connect(*gateway);
         EXPECT_TRUE(gateway->until_up("fc") && gateway->until_up("ground"));
@@ -200,11 +206,12 @@ public:
         wire_.write(v7_frame(0xAF, 0x00, {v7[2], v7[end - 2], v7[end - 1]}));
     }
     std::int64_t count(const std::string& name) { return gateway->link("fc").at(name); }
-    /// Nothing is sent to the device meanwhile, and nothing to the host.
+    /// Nothing was sent on the wire, and nothing to `ground`: only what is sent now arrives.
     void expect_silence() {
-        gateway->run_for(700ms);
-        EXPECT_EQ(wire_.read(), Bytes{});
-        EXPECT_EQ(ground.frames(), Frames{});
+        ask(has_program_ ? frame(imu, 0xFF, 0xF1, {7}) : frame(host, imu, 0xF1, {7}));
+        EXPECT_EQ(device_got(), Frames{v7_frame(0xFF, 0xF1, {7})});
+        wire_.write(v7_frame(0xFF, 0xF2, {7}));
+        EXPECT_EQ(host_got(), Frames{has_program_ ? frame(host, imu, 0xF2, {7}) : frame(imu, 0xFF, 0xF2, {7})});
     }
 
     UdpPeer ground;
@@ -212,6 +219,7 @@ public:
 
 private:
     Wire& wire_;
+    bool has_program_;    // at the other end, not a device
 };
 
 /// Other frames, such as repeated requests, may come before it.
@@ -396,8 +404,10 @@ TEST(V7Links, a_command_that_returns_or_passes_on_the_line_reaches_no_other_devi
     EXPECT_TRUE(until("v7_up_command", 3));
     EXPECT_TRUE(comes(
         gateway, [&] { return ground.frames(); }, frame(imu, 0xFF, 0x03, attitude)));
-    gateway.run_for(300ms);
-    EXPECT_EQ(other.read(), Bytes{});
+    ASSERT_TRUE(ground.send(gateway.port("ground"), frame(host, 0xDC, 0xC0, {0x10, 0, 2})));
+    Bytes at_other;
+    EXPECT_TRUE(gateway.until([&] { return !(at_other = std::move(at_other) + other.read()).empty(); }));
+    EXPECT_EQ(at_other, v7_frame(0xFF, 0xE0, {0x10, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0})) << "nothing before it";
     EXPECT_TRUE(gateway.counters_add_up());
 }
 
@@ -422,86 +432,71 @@ TEST(V7Links, nothing_circulates_between_two_links_that_are_connected_with_each_
         ASSERT_TRUE(ground.send(gateway.port("ground"), frame(host, imu, 0xC0, {0x10, 0, n})));
         gateway.run_for(10ms);
     }
-    gateway.run_for(1s);
     const auto out = [&] { return gateway.count("a", "frames_out") + gateway.count("b", "frames_out"); };
+    const auto commands = [&](const char* link) { return gateway.link(link).at("v7_up_command").get<unsigned>(); };
+    EXPECT_TRUE(gateway.until([&] { return commands("b") == sent; }));
+    // A command through the wire in each direction: all that was sent before has arrived.
+    const auto pass = [&] {
+        const unsigned at_a = commands("a"), at_b = commands("b");
+        for (const std::uint8_t to : {std::uint8_t{0xDC}, imu})    // different ones, which are no echoes
+            EXPECT_TRUE(ground.send(gateway.port("ground"), frame(host, to, 0xC0, {0x10, 1, to})));
+        EXPECT_TRUE(gateway.until([&] { return commands("a") > at_a && commands("b") > at_b; }));
+    };
+    for (int n = 0; n < 3; ++n) pass();
     const auto before = out();
-    EXPECT_LE(before, 5u * sent) << "of each frame one on each link, and one more round";
-    gateway.run_for(1s);
-    EXPECT_EQ(out(), before);
+    EXPECT_LE(before, 5u * sent + 6) << "of each frame one on each link, and one more round";
+    for (unsigned n = 1; n <= 5; ++n) {
+        pass();
+        EXPECT_EQ(out(), before + 2 * n) << "what circulates would pass again";
+    }
     EXPECT_EQ(gateway.link("b")["hint_id"], "v7_loop") << gateway.link("b");
 }
 
-// The wires of both are connected with each other.
-TEST(V7Links, a_command_does_not_circulate_through_a_device_link_and_a_host_link) {
-    const TempDir dir;
+/// The wires of a link with a device and of one with a host program are connected with each other.
+struct ConnectedWires {
+    ConnectedWires() { EXPECT_TRUE(gateway.until_up("device") && gateway.until_up("program") && gateway.until_up("ground")); }
+    void send(const Bytes& frame) { EXPECT_TRUE(ground.send(gateway.port("ground"), frame)); }
+    bool until_dropped(unsigned frames) {
+        return gateway.until([&] { return gateway.link("program").at("v7_up_loop") == frames; });
+    }
+
+    TempDir dir;
     UdpPeer ground;
     RunningGateway gateway{settings_of_texts(
         {"pty:" + (dir / "line") + ",name=device,protocol=v7,v7_device=0xDD",
          "serial:" + (dir / "line") + ",pace=off,name=program,protocol=v7,v7_role=host,v7_device=0xDD", ground.link("ground")})};
-    ASSERT_TRUE(gateway.until_up("device") && gateway.until_up("program") && gateway.until_up("ground"));
+};
+
+TEST(V7Links, no_command_circulates_through_a_device_link_and_a_host_link) {
+    ConnectedWires wires;
     constexpr unsigned sent = 4;
     for (unsigned n = 1; n <= sent; ++n) {
-        ASSERT_TRUE(
-            ground.send(gateway.port("ground"), frame(host, imu, 0xC0, {0x10, 0, n <= 2 ? std::uint8_t{1} : std::uint8_t{5}})));
-        EXPECT_TRUE(gateway.until([&] { return gateway.link("program").at("v7_up_loop") == n; })) << gateway.link("program");
+        wires.send(frame(host, imu, 0xC0, {0x10, 0, n <= 2 ? std::uint8_t{2} : std::uint8_t{5}}));
+        EXPECT_TRUE(wires.until_dropped(2 * n)) << "the probe, and the command";
     }
-    EXPECT_EQ(gateway.count("device", "frames_out"), sent);
-    EXPECT_EQ(gateway.link("program")["hint_id"], "v7_loop") << gateway.link("program");
-    // Telemetry for the device, too.
-    ASSERT_TRUE(ground.send(gateway.port("ground"), frame(host, imu, 0x30, Bytes(23))));
-    EXPECT_TRUE(gateway.until([&] { return gateway.link("program").at("v7_up_loop") == sent + 1; })) << gateway.link("program");
-    gateway.run_for(300ms);
-    EXPECT_EQ(gateway.count("device", "frames_out"), sent + 1);
-    EXPECT_TRUE(gateway.counters_add_up());
-}
-
-// The wire holds a frame for longer than the gateway knows what it sent.
-TEST(V7Links, a_command_that_a_connected_wire_held_does_not_circulate_without_end) {
-    SerialWire device, program;
-    UdpPeer ground;
-    RunningGateway gateway{
-        settings_of_texts({device.link() + ",name=device,protocol=v7,v7_device=0xDD",
-                           program.link() + ",name=program,protocol=v7,v7_role=host,v7_device=0xDD", ground.link("ground")})};
-    ASSERT_TRUE(gateway.until_up("device") && gateway.until_up("program") && gateway.until_up("ground"));
-    ASSERT_TRUE(ground.send(gateway.port("ground"), frame(host, imu, 0xC0, {0x10, 0, 1})));
-    Bytes held;
-    EXPECT_TRUE(gateway.until([&] { return !(held = std::move(held) + device.read()).empty(); }));
-    gateway.run_for(1300ms);
-    program.write(held);
-    const auto carry = [&] {
-        if (const Bytes on = device.read(); !on.empty()) program.write(on);
-        return gateway.link("program").at("v7_up_loop") > 0;
-    };
-    EXPECT_TRUE(gateway.until(carry)) << gateway.link("program");
-    EXPECT_EQ(gateway.link("program")["hint_id"], "v7_loop") << gateway.link("program");
-    const auto before = gateway.count("device", "frames_out");
-    gateway.run_for(300ms);
-    EXPECT_EQ(device.read(), Bytes{});
-    EXPECT_EQ(gateway.count("device", "frames_out"), before);
-    EXPECT_TRUE(gateway.counters_add_up());
+    EXPECT_EQ(wires.gateway.link("program")["hint_id"], "v7_loop") << wires.gateway.link("program");
+    wires.send(frame(host, imu, 0x30, Bytes(23)));
+    EXPECT_TRUE(wires.until_dropped(2 * sent + 1)) << "telemetry for the device";
+    EXPECT_EQ(wires.gateway.count("device", "frames_out"), sent + 1);
+    EXPECT_TRUE(wires.gateway.counters_add_up());
 }
 
 TEST(V7Links, telemetry_does_not_circulate_through_a_device_link_and_a_host_link) {
-    const TempDir dir;
-    UdpPeer ground;
-    RunningGateway gateway{settings_of_texts(
-        {"pty:" + (dir / "line") + ",name=device,protocol=v7,v7_device=0xDD",
-         "serial:" + (dir / "line") + ",pace=off,name=program,protocol=v7,v7_role=host,v7_device=0xDD", ground.link("ground")})};
-    ASSERT_TRUE(gateway.until_up("device") && gateway.until_up("program") && gateway.until_up("ground"));
+    ConnectedWires wires;
     constexpr unsigned sent = 20;
     for (std::uint8_t n = 0; n < sent; ++n) {
-        ASSERT_TRUE(ground.send(gateway.port("ground"), frame(imu, 0xFF, 0x03, {n, 0, 2, 0, 3, 0, 1})));
-        gateway.run_for(20ms);
+        wires.send(frame(imu, 0xFF, 0x03, {n, 0, 2, 0, 3, 0, 1}));
+        wires.gateway.run_for(20ms);
     }
-    gateway.run_for(2s);
-    const auto before = gateway.count("program", "frames_out");
-    gateway.run_for(1s);
-    EXPECT_EQ(gateway.count("program", "frames_out"), before);
+    wires.gateway.run_for(2s);    // in which the loop is found by its traffic
+    const auto before = wires.gateway.count("program", "frames_out");
+    wires.gateway.run_for(1s);
+    EXPECT_EQ(wires.gateway.count("program", "frames_out"), before);
     EXPECT_LE(before, 50 * sent);
-    EXPECT_EQ(gateway.link("device")["hint_id"], "ring") << gateway.link("device");
+    EXPECT_EQ(wires.gateway.link("device")["hint_id"], "ring") << wires.gateway.link("device");
 }
 
-TEST(V7Links, commands_that_a_host_program_repeats_are_all_executed) {
+TEST(V7Links, commands_of_a_host_program_are_all_executed_whatever_it_and_others_repeat) {
     SerialWire device, program;
     UdpPeer ground;
     RunningGateway gateway{
@@ -510,19 +505,26 @@ TEST(V7Links, commands_that_a_host_program_repeats_are_all_executed) {
     ASSERT_TRUE(gateway.until_up("device") && gateway.until_up("program") && gateway.until_up("ground"));
     const Bytes command = v7_frame(0xFF, 0xE0, {0x10, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0});
     Bytes all;
-    const auto executed = [&] { return (all = std::move(all) + device.read()).size() / command.size(); };
-    std::size_t sent = 0;
-    const auto program_sends = [&] {
-        program.write(command);
-        ++sent;
-        EXPECT_TRUE(gateway.until([&] { return executed() == sent; })) << all.size();
+    const auto executed = [&] {
+        all = std::move(all) + device.read();
+        std::span<const std::uint8_t> rest{all};
+        return take_v7_frames(rest).size();
     };
-    for (int n = 0; n < 5; ++n) program_sends();
-    // Another host sends the same, and the device acknowledges it.
-    ASSERT_TRUE(ground.send(gateway.port("ground"), frame(host, imu, 0xC0, {0x10, 0, 1})));
-    ++sent;
-    ASSERT_TRUE(gateway.until([&] { return executed() == sent; }));
-    program_sends();
+    constexpr std::size_t repetitions = 50;
+    for (std::size_t n = 1; n <= repetitions; ++n) {
+        program.write(command);
+        EXPECT_TRUE(gateway.until([&] { return executed() == 2 * n - 1; })) << n;
+        ASSERT_TRUE(ground.send(gateway.port("ground"), frame(host, imu, 0xC0, {0x10, 0, 1})));
+        EXPECT_TRUE(gateway.until([&] { return executed() == 2 * n; })) << n;
+    }
+    // Now the wires are connected.
+    program.write(all);
+    EXPECT_TRUE(gateway.until([&] { return gateway.link("program").at("v7_up_loop").get<std::size_t>() == 4 * repetitions; }))
+        << gateway.link("program");
+    ASSERT_TRUE(ground.send(gateway.port("ground"), frame(host, imu, 0xC0, {0x10, 0, 2})));
+    EXPECT_TRUE(gateway.until([&] { return executed() > 2 * repetitions; }));
+    EXPECT_EQ(executed(), 2 * repetitions + 1) << "what a wire held is not executed";
+    EXPECT_TRUE(gateway.counters_add_up());
 }
 
 // A device that two links of a group lead to, both silent.
@@ -541,8 +543,9 @@ TEST(V7Links, a_command_to_a_silent_group_is_sent_on_one_link) {
         return v7_frames(all).size();
     };
     EXPECT_TRUE(gateway.until([&] { return read() >= 2; }));
-    gateway.run_for(200ms);
-    EXPECT_EQ(read(), 2u);
+    ASSERT_TRUE(ground.send(gateway.port("ground"), frame(host, imu, 0xC0, {0x10, 0, 2})));
+    EXPECT_TRUE(gateway.until([&] { return read() >= 3; }));
+    EXPECT_EQ(read(), 3u) << "what a second link sent would have been sent before";
 }
 
 TEST(V7Links, a_device_plugged_in_again_has_no_requests_of_before) {

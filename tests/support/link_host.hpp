@@ -57,7 +57,7 @@ public:
         return loop_;
     }
 
-    anogate::LinkContext context() { return {io, alarms_, *this, batch_, sender_, names_, v7_sent_to_devices_}; }
+    anogate::LinkContext context() { return {io, alarms_, *this, batch_, sender_, names_, v7_lines_}; }
     const std::vector<std::unique_ptr<anogate::Channel>>& channels() const { return channels_; }
     /// All frames received on channels of this peer.
     const Bytes& heard(const std::string& peer) { return heard_[peer]; }
@@ -81,7 +81,7 @@ private:
     anogate::DatagramBatch batch_;
     anogate::DatagramSender sender_;
     anogate::Resolver names_;
-    anogate::V7SentFrames v7_sent_to_devices_;
+    anogate::V7Lines v7_lines_;
     anogate::StallDetector loop_;
     std::vector<std::unique_ptr<anogate::Channel>> channels_;
     std::size_t opened_ = 0;    // in total, at most 64: no number is used twice

@@ -86,7 +86,7 @@ public:
           streams_{streams},
           who_{std::move(who)},
           look_every_{look_every},
-          link_{settings.kind->make(LinkId{0}, settings, {io_, alarms_, *this, batch_, sender_, names_, v7_sent_to_devices_})} {}
+          link_{settings.kind->make(LinkId{0}, settings, {io_, alarms_, *this, batch_, sender_, names_, v7_lines_})} {}
 
     void start() {
         link_->start();
@@ -297,7 +297,7 @@ private:
     DatagramBatch batch_;
     DatagramSender sender_;
     Resolver names_{io_};
-    V7SentFrames v7_sent_to_devices_;
+    V7Lines v7_lines_;
     FrameReceiver& receiver_;
     Streams& streams_;
     const std::string who_;

@@ -97,6 +97,10 @@ TEST(Hint, frames_of_another_gateway_and_commands_on_a_v7_line_are_reported) {
     EXPECT_EQ(find_hint(link).id, "echo");
     link.v7_loops = true;
     EXPECT_EQ(find_hint(link).id, "v7_loop");
+    link.received.skipped_bytes = link.skipped_since = 1000;    // damage on that line
+    link.bytes_ago = std::chrono::seconds{0};
+    link.up_for = std::chrono::seconds{20};
+    EXPECT_EQ(find_hint(link).id, "v7_loop");
 }
 
 TEST(Hint, for_contradictory_orientations_names_the_attitude_key) {

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <functional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -368,151 +369,123 @@ TEST(V7HostTranslation, what_was_sent_to_the_host_program_is_neither_a_write_nor
     EXPECT_EQ(link.counted().up_echo, 2u);
 }
 
-/// A device link and a host link of one gateway. Whether their wires are connected is up to the test.
+/// A link with a device and one with a host program, of one gateway. What their wires are connected with is up to the test.
 struct BothLinks final : V7Output {
-    static V7Settings with(V7SentFrames& sent) {
-        V7Settings settings{.address = imu};
-        settings.sent_to_devices = &sent;
-        return settings;
+    explicit BothLinks(std::uint32_t number = 7) : line{number} {}
+    V7Settings settings() {
+        V7Settings made{.address = imu};
+        made.line = line;
+        made.lines = &lines;
+        return made;
     }
     void to_device(v7::FrameView f) override { sent.emplace_back(f.bytes().begin(), f.bytes().end()); }
     void from_device(ano::FrameView) override {}
 
-    /// Another host commands the device; what is sent to it.
-    Bytes command(const Bytes& data) { return to_device_link(frame(host, imu, 0xC0, data)); }
-    /// A frame arrives at the host link; what is sent to the device then.
+    /// Another host sends a frame; what is sent on the wire of the device.
+    Frames host_sends(const Bytes& v8) {
+        sent.clear();
+        device.down(ano::FrameView{v8}, now(), *this);
+        return sent;
+    }
+    Frames command(const Bytes& data) { return host_sends(frame(host, imu, 0xC0, data)); }
+    /// A frame arrives at the link with the host program; what is sent on the wire of the device then.
     Frames arrives(const Bytes& v7) {
         Frames all;
-        for (const Bytes& v8 : program.up(v7)) all.push_back(to_device_link(v8));
+        for (const Bytes& v8 : program.up(v7))
+            for (Bytes& f : host_sends(v8)) all.push_back(std::move(f));
         return all;
-    }
-    void device_acknowledges(const Bytes& v7) { device.up(v7::FrameView{v7_frame(0xAF, 0x00, check_of_v7(v7))}, now(), *this); }
-    /// The wires are connected: how many frames arrive at the host link until none is under way, at most `most`.
-    template <class Before>
-    unsigned circulate(Frames under_way, unsigned most, Before before) {
-        unsigned rounds = 0;
-        for (; !under_way.empty() && rounds < most; ++rounds) {
-            now() += 2ms;
-            const Bytes first = under_way.front();
-            under_way.erase(under_way.begin());
-            before(first);
-            for (Bytes& next : arrives(first)) under_way.push_back(std::move(next));
-        }
-        return rounds;
-    }
-    unsigned circulate(Frames under_way, unsigned most) {
-        return circulate(std::move(under_way), most, [](const Bytes&) {});
     }
     ano::TimePoint& now() { return program.now; }
 
-    V7SentFrames sent_to_devices;
-    V7Translation device{with(sent_to_devices)};
-    HostLink program{with(sent_to_devices)};
+    std::uint32_t line;
+    V7Lines lines;
+    V7Translation device{settings()};
+    HostLink program{settings()};
     Frames sent;
-
-private:
-    Bytes to_device_link(const Bytes& v8) {
-        device.down(ano::FrameView{v8}, now(), *this);
-        return sent.back();
-    }
 };
 const Bytes unlock_in_v7 = v7_frame(0xFF, 0xE0, {0x10, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0});
 const Bytes lock_in_v7 = v7_frame(0xFF, 0xE0, {0x10, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0});
+bool is_probe(const Bytes& v7) { return v7[2] == 0xFB; }
 
-// Their wires are connected with each other: each frame that the device link sends arrives at the host link.
-TEST(V7HostTranslation, a_frame_of_a_device_link_of_this_gateway_is_not_of_the_host_program) {
-    BothLinks links;
-    const auto& counted = links.program.counted();
-    for (int n = 0; n < 3; ++n) EXPECT_TRUE(links.arrives(links.command({0x10, 0, 1})).empty());
-    EXPECT_EQ(counted.up_loop, 3u);
-    const Bytes same = links.command({0x10, 0, 1});
-    links.device_acknowledges(same);
-    EXPECT_EQ(links.arrives(same).size(), 1u) << "the device has acknowledged the other one, so this one is of the program";
-    EXPECT_EQ(links.arrives(same).size(), 1u) << "the program repeats it";
-    links.now() += 10s;
-    links.command({0x10, 0, 1});
-    links.now() += 1s;
-    EXPECT_EQ(links.arrives(same).size(), 1u) << "the other one is too old";
-    EXPECT_EQ(counted.up_loop, 3u);
+/// The wires are connected: how many frames besides probes are sent until none is under way, at most `most`. `loses`: probes.
+unsigned circulate(BothLinks& links, Frames under_way, unsigned most, unsigned loses = 0) {
+    unsigned all = 0;
+    while (!under_way.empty() && all < most) {
+        links.now() += 2ms;
+        const Bytes first = under_way.front();
+        under_way.erase(under_way.begin());
+        if (is_probe(first) && loses > 0) {
+            --loses;
+            continue;
+        }
+        all += !is_probe(first);
+        for (Bytes& next : links.arrives(first)) under_way.push_back(std::move(next));
+    }
+    return all;
 }
 
-TEST(V7HostTranslation, no_frame_circulates_without_end_through_connected_wires) {
+TEST(V7HostTranslation, nothing_circulates_through_wires_connected_with_those_of_a_device) {
     constexpr unsigned endless = 1000;
-    {
+    const std::vector<Bytes> frames{frame(host, imu, 0xC0, {0x10, 0, 1}),       frame(host, imu, 0xC0, {0x10, 0, 2}),
+                                    frame(host, imu, 0x40, Bytes(20, 5)),       frame(host, imu, 0x30, Bytes(23)),
+                                    frame(host, imu, 0xE1, {3, 0, 1, 0, 0, 0}), frame(host, imu, 0xE0, {2, 3, 0})};
+    for (const Bytes& v8 : frames) {
         BothLinks links;
-        const unsigned rounds = links.circulate({unlock_in_v7}, endless);
-        EXPECT_LE(rounds, 12u) << "a program on the wire sent it";
-        EXPECT_EQ(links.program.counted().up_loop, 1u);
-        EXPECT_TRUE(links.program.translation.knows_loop());
+        EXPECT_EQ(circulate(links, links.host_sends(v8), endless), 1u) << int{v8[3]};
+        EXPECT_EQ(links.program.counted().up_loop, 2u) << "the probe, and the frame";
+        EXPECT_EQ(circulate(links, {unlock_in_v7}, endless), 1u) << "of whoever else is on the wire";
     }
-    {
+    BothLinks slow;
+    const Frames held = slow.command({0x10, 0, 1});
+    slow.now() += 1h;
+    EXPECT_EQ(circulate(slow, held, endless), 1u);
+    BothLinks of_the_program;
+    EXPECT_EQ(circulate(of_the_program, {unlock_in_v7}, endless), 2u) << "its own, and what is sent for it";
+}
+
+TEST(V7HostTranslation, a_command_circulates_only_while_the_probes_ahead_of_it_are_lost) {
+    for (const unsigned lost : {1u, 3u}) {
         BothLinks links;
-        const Bytes held = links.command({0x10, 0, 1});
-        links.now() += 1300ms;
-        EXPECT_LE(links.circulate({held, held, held}, endless), 100u) << "the wire held them";
-    }
-    {
-        BothLinks links;
-        const Bytes first = links.command({0x10, 0, 1}), second = links.command({0x10, 0, 5});
-        EXPECT_LE(links.circulate({first, second}, endless), 30u) << "two in turn";
-    }
-    {
-        BothLinks links;
-        Bytes before;
-        const unsigned rounds = links.circulate({unlock_in_v7}, endless, [&](const Bytes& v7) {
-            if (!before.empty()) links.device_acknowledges(before);
-            before = v7;
-        });
-        EXPECT_LE(rounds, 12u) << "a device on the wire acknowledges it";
+        EXPECT_EQ(circulate(links, links.command({0x10, 0, 1}), 1000, lost), 1 + lost);
     }
 }
 
-TEST(V7HostTranslation, once_wires_are_known_to_be_connected_nothing_passes_twice_for_a_minute) {
+TEST(V7HostTranslation, the_program_is_heard_again_15_s_after_the_last_probe) {
     BothLinks links;
-    links.circulate({unlock_in_v7}, 1000);
-    links.now() += 10s;
-    EXPECT_EQ(links.circulate({links.command({0x10, 0, 2})}, 1000), 1u) << "the emergency stop, too";
-    EXPECT_EQ(links.circulate({v7_frame(0xFF, 0x40, Bytes(20, 5))}, 1000), 2u) << "of a program on the wire";
-    links.now() += 59s;
-    EXPECT_EQ(links.circulate({lock_in_v7}, 1000), 2u);
-    links.now() += 60s;
-    EXPECT_GT(links.circulate({lock_in_v7}, 1000), 2u) << "forgotten";
+    circulate(links, links.command({0x10, 0, 1}), 1000);
+    links.now() += 14s;
+    EXPECT_TRUE(links.arrives(unlock_in_v7).empty());
+    links.now() += 1s;
+    EXPECT_FALSE(links.arrives(unlock_in_v7).empty());
 }
 
-// It sends whether or not something is sent to the device, so it is no frame that circulates.
-TEST(V7HostTranslation, a_program_that_repeats_a_frame_is_heard) {
-    BothLinks commands;
-    for (int n = 0; n < 11; ++n, commands.now() += 30ms) EXPECT_EQ(commands.arrives(lock_in_v7).size(), 1u) << n;
-    BothLinks sticks;
-    unsigned passed = 0, most_lost = 0;
-    for (unsigned n = 0, lost = 0; n < 3000; ++n, sticks.now() += 20ms) {
-        const bool passes = !sticks.arrives(v7_frame(0xFF, 0x40, Bytes(20, 5))).empty();
-        passed += passes;
-        lost = passes ? 0 : lost + 1;
-        most_lost = std::max(most_lost, lost);
+// The wire of one gateway's device leads to the other gateway's link with a host program, and the other way round.
+TEST(V7HostTranslation, nothing_circulates_through_another_gateway) {
+    BothLinks a{7}, b{8};
+    Frames at_b = a.command({0x10, 0, 1});
+    unsigned commands = 1;
+    for (int round = 0; round < 100 && !at_b.empty(); ++round) {
+        Frames at_a;
+        for (const Bytes& v7 : std::exchange(at_b, {}))
+            for (Bytes& f : b.arrives(v7)) at_a.push_back(std::move(f));
+        for (const Bytes& v7 : at_a)
+            for (Bytes& f : a.arrives(v7)) at_b.push_back(std::move(f));
+        commands += static_cast<unsigned>(std::count_if(at_a.begin(), at_a.end(), std::not_fn(is_probe)) +
+                                          std::count_if(at_b.begin(), at_b.end(), std::not_fn(is_probe)));
     }
-    EXPECT_GE(passed, 2960u);
-    EXPECT_LE(most_lost, 1u);
-    EXPECT_FALSE(sticks.program.translation.knows_loop());
-    BothLinks bursts;
-    for (unsigned n = 0; n < 30; ++n, bursts.now() += 20ms) {
-        Frames v8;
-        for (int twice = 0; twice < 2; ++twice)
-            for (Bytes& f : bursts.program.up(lock_in_v7)) v8.push_back(std::move(f));
-        for (const Bytes& f : v8) bursts.device.down(ano::FrameView{f}, bursts.now(), bursts);
-    }
-    EXPECT_GE(bursts.sent.size(), 56u);
-    EXPECT_FALSE(bursts.program.translation.knows_loop());
+    EXPECT_EQ(commands, 2u) << "one on each wire";
 }
 
-// Another host commanded the same a moment ago.
-TEST(V7HostTranslation, a_command_of_the_program_is_no_repetition_of_another_host_if_the_device_got_a_different_one_since) {
+TEST(V7HostTranslation, every_frame_of_the_program_is_sent_whatever_it_and_other_hosts_repeat) {
     BothLinks links;
-    links.command({0x10, 0, 5});
-    links.command({0x10, 0, 1});
-    EXPECT_EQ(links.arrives(v7_frame(0xFF, 0xE0, {0x10, 0, 5, 0, 0, 0, 0, 0, 0, 0, 0})).size(), 1u);
-    links.command({0x10, 0, 2});
-    EXPECT_EQ(links.arrives(lock_in_v7).size(), 1u) << "an emergency stop is never taken for a repetition";
+    unsigned wrong = 0;
+    for (int n = 0; n < 3000; ++n, links.now() += 20ms) {
+        const Bytes& v7 = n % 2 == 0 ? lock_in_v7 : v7_frame(0xFF, 0x40, Bytes(20, 5));
+        const Frames sent = links.arrives(v7);
+        wrong += sent.empty() || sent.back() != v7;
+        if (n % 3 == 0) links.command({0x10, 0, 2});
+    }
+    EXPECT_EQ(wrong, 0u);
     EXPECT_EQ(links.program.counted().up_loop, 0u);
 }
 

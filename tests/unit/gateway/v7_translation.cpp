@@ -1,4 +1,5 @@
 // The translation between V8 and a link with V7 devices (protocol-v7.md, section 8).
+#include <gateway/v7_host_translation.hpp>
 #include <gateway/v7_translation.hpp>
 
 #include <ano/conversation.hpp>
@@ -526,7 +527,7 @@ TEST(V7Translation, a_write_to_the_device_is_not_taken_for_a_value_of_it) {
 TEST(V7Translation, probes_contain_no_second_head) {
     for (std::uint32_t line = 1; line < 3000; ++line) {
         V7EchoWatch watch{line * 0x01010105};
-        const auto probe = watch.next_probe(ano::TimePoint{1h});
+        const auto probe = watch.probe(ano::TimePoint{1h});
         ASSERT_TRUE(probe && v7::frame_at(probe->bytes()));
         EXPECT_EQ(std::count(probe->bytes().begin(), probe->bytes().end(), 0xAA), 1) << line;
     }
@@ -813,6 +814,24 @@ TEST(V7Echo, no_telemetry_circulates_in_a_loop) {
     EXPECT_GT(b.counted().up_loop, 0u);
 }
 
+TEST(V7Echo, commands_have_a_probe_ahead_only_if_the_gateway_has_a_link_with_a_host_program) {
+    V7Lines lines;
+    V7Link link{{.address = imu, .line = 7, .lines = &lines}};
+    link.down(0xC0, {0x10, 0, 1});
+    EXPECT_TRUE(link.probes.empty());
+    {
+        const V7HostTranslation program{{.address = imu, .lines = &lines}};
+        for (int i = 0; i < 2; ++i) {
+            link.down(0xC0, {0x10, 0, 1});
+            EXPECT_EQ(std::exchange(link.probes, {}).size(), 1u);
+        }
+        link.down(0x40, Bytes(20));
+        EXPECT_TRUE(link.probes.empty()) << "not for 5 s";
+    }
+    link.down(0xC0, {0x10, 0, 1});
+    EXPECT_TRUE(link.probes.empty());
+}
+
 // --- Laws
 
 TEST(V7Translation, drops_and_counts_messages_without_a_counterpart_in_v7) {
@@ -888,36 +907,78 @@ TEST(V7Translation, no_frame_contains_one_that_a_device_must_not_get) {
     EXPECT_EQ(drops(link.counted()), 2u);
 }
 
-// A host may form such a frame of the end of one and the beginning of the next. A device that takes whole frames never finds it.
-TEST(V7Translation, of_two_frames_one_after_the_other_a_device_takes_these_two) {
+/// Whether a device that searches for a frame at every byte of `stream` finds one that it must not get.
+bool has_forbidden_frame(const Bytes& stream) {
+    for (auto at = stream.begin(); at != stream.end(); ++at)
+        if (const auto f = v7::frame_at({at, stream.end()}); f && V7Translation::is_of_own_sensor(f->id())) return true;
+        else if (f && f->id() == 0xE0 && f->data().size() >= 3 && f->data()[0] == 1 && f->data()[1] == 0x20 &&
+                 f->data()[2] == 0xAA)
+            return true;
+    return false;
+}
+
+/// DATA of the last of several frames, with which the frame that began in the first ends. `begun`: what was sent since its header;
+/// `before`: bytes of DATA ahead of its checks.
+Bytes end_of_frame(const Bytes& begun, std::size_t before) {
+    const Bytes last = v7_frame(0xFF, 0xF1, Bytes(before + 2));
+    Bytes all = begun + Bytes(last.begin(), last.end() - 2);
+    ano::seal(all);
+    EXPECT_TRUE(v7::frame_at(all));
+    return {all.end() - static_cast<std::ptrdiff_t>(before + 2), all.end()};
+}
+
+// A device that lost the header of the first would search in both.
+TEST(V7Translation, no_frame_is_formed_of_the_end_of_one_and_the_beginning_of_the_next) {
     for (std::uint64_t seed = 0; seed < support::trials(300); ++seed) {
         support::Random random{seed};
-        V7Link link{imu};
-        Bytes first = Bytes(random.below(20u), random.byte()), second = Bytes(random.below(20u), random.byte());
-        const Bytes header{0xAA, 0xFF, 0xF1, static_cast<std::uint8_t>(second.size() + 2)};    // of the second frame
-        const Bytes inner = random.one_in(2) ? Bytes{0xAA, 0xFF, 0xE0, 10, 0x01, 0x20, 0xAA, random.byte()}
-                                             : Bytes{0xAA, 0xFF, random.of<std::uint8_t>({0x01, 0x0F, 0x20, 0x21}), 6};
-        const Bytes begin = one(link.down(0xF1, first + inner));
-        ASSERT_FALSE(begin.empty());
-        Bytes forbidden = inner + Bytes(begin.end() - 2, begin.end()) + header + Bytes(2);
-        ano::seal(forbidden);
-        ASSERT_TRUE(v7::frame_at(forbidden));
-        const Bytes end = one(link.down(0xF1, Bytes(forbidden.end() - 2, forbidden.end()) + second));
-        ASSERT_FALSE(end.empty());
-        const Bytes stream = begin + end;
-        ASSERT_NE(std::search(stream.begin(), stream.end(), forbidden.begin(), forbidden.end()), stream.end());
-        v7::FrameParser device{{}};
-        Frames taken;
-        for (std::size_t at = 0; at < stream.size();) {
-            const std::size_t n = std::min<std::size_t>(stream.size() - at, 1 + random.below(12u));
-            const auto room = device.prepare();
-            std::copy_n(stream.begin() + static_cast<std::ptrdiff_t>(at), n, room.begin());
-            device.commit(n, link.now);
-            while (const auto frame = device.next()) taken.emplace_back(frame->bytes().begin(), frame->bytes().end());
-            at += n;
+        V7Link link{{.address = imu, .line = random.one_in(2) ? 7u : 0u}};
+        const std::size_t before = random.below(10u), more = random.below(3u);
+        const bool erases = random.one_in(2);
+        const std::uint8_t id = random.of<std::uint8_t>({0x01, 0x0F, 0x20, 0x21});
+        Bytes header = erases ? Bytes{0xAA, 0xFF, 0xE0, 0, 0x01, 0x20, 0xAA} : Bytes{0xAA, 0xFF, id, 0};
+        header[3] = static_cast<std::uint8_t>(header.size() - 4 + 2 + more * (v7::overhead + 3) + 4 + before);
+        Bytes stream = one(link.down(0xF1, Bytes(random.below(5u), 0x55) + header));
+        for (std::size_t i = 0; i < more; ++i) stream = stream + one(link.down(0xF2, {1, 2, 3}));
+        link.probes.clear();
+        const auto begins = std::search(stream.begin(), stream.end(), header.begin(), header.end());
+        const Bytes data = end_of_frame({begins, stream.end()}, before);
+        const Bytes last = v7_frame(0xFF, 0xF1, data);
+        ASSERT_TRUE(has_forbidden_frame(stream + last)) << "the host forms one";
+        const Frames end = link.down(0xF1, data);
+        if (link.translation.settings().line == 0) {
+            EXPECT_TRUE(end.empty());
+            EXPECT_EQ(erases ? link.counted().down_erase : link.counted().down_own_sensor, 1u);
+            EXPECT_EQ(drops(link.counted()), 1u);
+            EXPECT_TRUE(link.down(0xF1, data).empty()) << "still";
+            EXPECT_EQ(link.down(0xF1, {1}).size(), 1u);
+        } else {
+            ASSERT_EQ(link.probes.size(), 1u) << "takes the two apart";
+            EXPECT_EQ(end, Frames{last}) << "nobody's frame is lost for it";
+            EXPECT_FALSE(has_forbidden_frame(stream + link.probes[0] + last));
+            EXPECT_EQ(drops(link.counted()), 0u);
         }
-        ASSERT_EQ(taken, (Frames{begin, end}));
     }
+}
+
+TEST(V7Translation, an_emergency_stop_is_sent_although_it_would_complete_a_frame_that_the_device_must_not_get) {
+    V7Link link{{.address = imu, .line = 7}};
+    const Bytes stop = v7_frame(0xFF, 0xE0, {0x10, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0});
+    const Bytes begun = one(link.down(0xF1, {21, 0xAA, 0xFF, 0x03, 17, 27, 0}));    // the checks would be zeros in the stop
+    ASSERT_TRUE(has_forbidden_frame(begun + stop));
+    link.probes.clear();
+    EXPECT_EQ(link.down(0xC0, {0x10, 0, 2}), Frames{stop});
+    EXPECT_EQ(link.probes.size(), 1u);
+    EXPECT_FALSE(has_forbidden_frame(begun + link.probes.at(0) + stop));
+}
+
+TEST(V7Translation, a_command_that_is_not_sent_is_not_acknowledged) {
+    V7Link link{{.address = imu, .ack = V7Ack::sent}};
+    const Bytes measurement = v7_frame(0xFF, 0x03);
+    EXPECT_TRUE(link.down(0xC0, Bytes{0x10, 0, 5} + measurement).empty());
+    EXPECT_EQ(link.counted().down_own_sensor, 1u);
+    EXPECT_TRUE(link.received.empty());
+    EXPECT_TRUE(link.down(0x61, Bytes{1} + measurement + Bytes(15)).empty());
+    EXPECT_TRUE(link.received.empty());
 }
 
 TEST(V7Translation, a_frame_with_several_distances_is_dropped_once) {
