@@ -53,7 +53,7 @@ TEST(DescriptorsAboveAHole, are_counted_beyond_hundreds_in_use) {
     if (limit.rlim_cur < 1000) GTEST_SKIP() << "needs a limit of 1000 descriptors (ulimit -n)";
     std::vector<UniqueFd> all;
     for (int i = 0; i < 400; ++i) all.emplace_back(::dup(STDERR_FILENO));
-    all.front().reset();
+    all.front() = UniqueFd{};
     EXPECT_GT(descriptors_left(), 200u);
 }
 
