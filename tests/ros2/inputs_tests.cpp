@@ -83,6 +83,28 @@ TEST_F(Ros2Inputs, a_joy_reaches_the_device) {
     EXPECT_EQ(ano::as<"remote_control">(ano::FrameView{frames.front()})->get<"thr">(), 1750);
 }
 
+TEST_F(Ros2Inputs, a_device_that_talks_to_the_bridge_of_the_vendor_talks_to_it) {
+    constexpr std::uint8_t bridge_id = 0xD2, question_id = 0xE0, device_info_id = 0xE3;
+    start_gateway();
+    start_bridge();
+    ASSERT_TRUE(until_connected()) << bridge->output();
+    Listener listener{{"/fc/imu/data=Imu"}};
+    const std::uint16_t port = gateway->port("fc");
+    bool has_answer = false;
+    ASSERT_TRUE(support::wait_until(
+        [&] {
+            device.send(port, support::frame(5, bridge_id, 0x01, Bytes(13)));
+            device.send(port, support::frame(5, bridge_id, question_id, {0, 0, 0}));
+            for (const Bytes& frame : received(device_info_id)) {
+                const ano::FrameView view{frame};
+                has_answer = has_answer || (view.source() == bridge_id && view.destination() == 5);
+            }
+            return has_answer && listener.count("/fc/imu/data") > 0;
+        },
+        support::patience, [] { std::this_thread::sleep_for(50ms); }))
+        << bridge->output();
+}
+
 TEST_F(Ros2Inputs, nothing_is_subscribed_by_default) {
     start_gateway();
     start_bridge();
