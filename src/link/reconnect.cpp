@@ -5,6 +5,11 @@
 #include <random>
 
 namespace anogate {
+namespace {
+
+constexpr std::size_t descriptors_of_one = 4;    // the most that a link opens at once: a pty
+
+}    // namespace
 
 Reconnect::Reconnect(AlarmClock& alarms, std::function<ano::TimePoint()> now, Open open, Down down, ano::Duration longest)
     : now_{std::move(now)},
@@ -31,7 +36,7 @@ void Reconnect::stop() noexcept {
 void Reconnect::try_now() {
     if (stopped_) return;
     retry_.cancel();
-    if (descriptors_left() == 0) return lost(no_descriptor());
+    if (descriptors_left() < descriptors_of_one) return lost(no_descriptor());
     if (auto begun = open_(); !begun) lost(std::move(begun.error()));
 }
 

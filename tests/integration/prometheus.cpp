@@ -181,7 +181,7 @@ TEST_F(PrometheusScrapes, and_evaluates_the_alert_rules) {
         if (!answer.is_object() || answer.at("data").at("groups").empty()) return false;
         const json& all = answer.at("data").at("groups").at(0).at("rules");
         return std::all_of(all.begin(), all.end(), [](const json& rule) { return rule.at("health") != "err"; }) &&
-               all.size() == 10u;
+               all.size() == 11u;
     })) << output_of(alerts);
 }
 

@@ -110,6 +110,7 @@ TEST_F(Reload, applies_the_changes_of_the_file_and_reports_them_link_by_link) {
                                  {"changed", true},
                                  {"links", links},
                                  {"gateway", {"gateway.forget_after: 30s -> 1m"}},
+                                 {"files", json::array()},
                                  {"needs_restart", {"log.file: not set -> " + (dir / "log")}},
                                  {"confirm_within_s", nullptr}}));
     EXPECT_EQ(names(), (std::vector<std::string>{"fc", "sim", "new", "ground"}));
