@@ -7,7 +7,7 @@
 namespace anogate {
 namespace {
 
-constexpr std::size_t descriptors_of_one = 4;    // the most that a link opens at once: a pty
+constexpr std::size_t descriptors_of_one_link = 4;    // the most that a link opens at once: a pty
 
 }    // namespace
 
@@ -36,7 +36,7 @@ void Reconnect::stop() noexcept {
 void Reconnect::try_now() {
     if (stopped_) return;
     retry_.cancel();
-    if (descriptors_left() < descriptors_of_one) return lost(no_descriptor());
+    if (descriptors_left() < descriptors_of_one_link) return lost(no_descriptor());
     if (auto begun = open_(); !begun) lost(std::move(begun.error()));
 }
 
