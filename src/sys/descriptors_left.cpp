@@ -10,8 +10,8 @@
 namespace anogate {
 namespace {
 
-constexpr std::size_t for_own_work = 6, for_links = 16, for_peers = 64;
-constexpr std::size_t for_own_files = 4;    // of those for own work: to read the configuration in a thread
+constexpr std::size_t for_own_work = 8, for_links = 16, for_peers = 64;
+constexpr std::size_t for_own_files = 6;    // of those for own work: to read the configuration in a thread
 constexpr std::size_t enough = 640;         // a higher number decides nothing: half of the rest is for 256 waiting clients
 
 std::size_t most_descriptors() noexcept {

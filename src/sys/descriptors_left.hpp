@@ -4,7 +4,7 @@
 
 namespace anogate {
 
-/// The number of descriptors that connections, peers and downloads may still use. Six more are reserved for short work of the
+/// The number of descriptors that connections, peers and downloads may still use. Eight more are reserved for short work of the
 /// gateway itself, such as reading its configuration.
 std::size_t descriptors_left() noexcept;
 

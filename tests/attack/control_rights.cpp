@@ -241,7 +241,7 @@ TEST(FewDescriptors, all_used_by_peers_and_clients_leave_those_of_status_and_rel
     for (const std::string link : {"a", "b", "c"})
         for (int i = 0; i < 60; ++i) peers.add(connect_tcp(daemon.port(link)), {command.begin(), command.end()});
     ASSERT_TRUE(daemon.until([](const nlohmann::json& status) {
-        return status.is_object() && status.at("links").at(0).at("channels").size() >= 10;
+        return status.is_object() && status.at("links").at(0).at("channels").size() >= 4;
     })) << daemon.status()["links"];
     for (int i = 0; i < 60; ++i)
         sockets.add(connect_unix(dir / "control.sock"), "GET /frames HTTP/1.1\r\nHost: x\r\n" + upgrade + "\r\n");
@@ -294,7 +294,7 @@ TEST(FewDescriptors, used_up_by_peers_and_new_links_leave_those_of_status_and_re
 TEST(FewDescriptors, are_used_for_tcp_peers_before_clients_of_the_control_interface) {
     constexpr std::size_t hosts = 16;
     const Bytes command = frame(0xFE, 0xDC, 0xC0, {16, 1, 0});
-    for (const rlim_t limit : {44u, 52u, 60u}) {
+    for (const rlim_t limit : {48u, 52u, 60u}) {
         TempDir dir;
         Daemon daemon{ANOGATED, dir / "control.sock", {"tcp-listen:127.0.0.1:0,name=tcp"}, {}, [limit] {
                           const rlimit few{limit, limit};

@@ -154,7 +154,7 @@ TEST_F(Ros2Attacks, without_descriptors_it_waits_until_there_are_some) {
                 limit.rlim_cur = least;
                 ::setrlimit(RLIMIT_NOFILE, &limit);
             });
-        ASSERT_TRUE(bridge->until_says("trying again")) << bridge->output();
+        ASSERT_TRUE(bridge->until_says(" again")) << bridge->output();
         rlimit limit{};
         ASSERT_EQ(::prlimit(bridge->pid(), RLIMIT_NOFILE, nullptr, &limit), 0);
         limit.rlim_cur = limit.rlim_max;

@@ -180,7 +180,7 @@ Opened<void> TcpListenLink::listen() {
 // Without a free descriptor, the listener would report the waiting connection again and again, so it pauses.
 void TcpListenLink::accept() {
     for (int i = 0; i < accepts_per_turn; ++i) {
-        if (descriptors_left() < for_one_peer + descriptors_of_links() / 4) return pause_accepting();
+        if (descriptors_left() < for_one_peer + descriptors_of_links() / 2) return pause_accepting();
         Accepted next = accept_tcp(listener_.fd());
         if (next.fd) {
             on_accepted(std::move(next.fd), next.peer);

@@ -12,7 +12,7 @@
 namespace anogate::descriptors_left_tests {
 namespace {
 
-constexpr std::size_t most = 64, reserved = 6;
+constexpr std::size_t most = 64, reserved = 8;
 
 /// With a limit of 64 descriptors, all of them in use.
 class DescriptorsLeft : public ::testing::Test {
