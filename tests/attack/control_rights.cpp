@@ -294,7 +294,7 @@ TEST(FewDescriptors, used_up_by_peers_and_new_links_leave_those_of_status_and_re
 TEST(FewDescriptors, are_used_for_tcp_peers_before_clients_of_the_control_interface) {
     constexpr std::size_t hosts = 16;
     const Bytes command = frame(0xFE, 0xDC, 0xC0, {16, 1, 0});
-    for (const rlim_t limit : {48u, 52u, 60u}) {
+    for (const rlim_t limit : {52u, 56u, 60u}) {
         TempDir dir;
         Daemon daemon{ANOGATED, dir / "control.sock", {"tcp-listen:127.0.0.1:0,name=tcp"}, {}, [limit] {
                           const rlimit few{limit, limit};
