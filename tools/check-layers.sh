@@ -37,7 +37,7 @@ layers=(
     "daemon: $rooms gpio runtime watch status recording foxglove control"
     "client: $protocol ano_json gateway http record ros sys"
     "ros2: $protocol ano_json client config gateway http log record ros sys"
-    "mavlink: $protocol"
+    "mavlink: $protocol host"
     "anoctl: $wires $engine http"
     "reference: $rooms daemon anoctl ros2"
 )
