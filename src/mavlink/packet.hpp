@@ -70,9 +70,10 @@ struct Origin {
 };
 
 /// Writes a packet of the message to the beginning of `out` and returns its size; `payload` has row.size bytes. Returns 0 and writes
-/// nothing if `out` is too small, or if version 1 has no such id.
+/// nothing if `out` is too small, or if version 1 has no such id. `flags`: the incompatible flags of version 2; a signature follows the
+/// packet and is not counted.
 constexpr std::size_t encode(std::span<std::uint8_t> out, Version version, Origin origin, std::uint8_t sequence,
-                             const Message& row, std::span<const std::uint8_t> payload) noexcept {
+                             const Message& row, std::span<const std::uint8_t> payload, std::uint8_t flags = 0) noexcept {
     constexpr std::uint32_t max_id_v1 = 255;
     const bool is_v2 = version == Version::v2;
     std::size_t length = is_v2 ? row.size : row.base_size;
@@ -83,7 +84,7 @@ constexpr std::size_t encode(std::span<std::uint8_t> out, Version version, Origi
     if (is_v2) {
         const std::array<std::uint8_t, header_v2> bytes{magic_v2,
                                                         byte(static_cast<std::uint32_t>(length)),
-                                                        0,
+                                                        flags,
                                                         0,
                                                         sequence,
                                                         origin.system,

@@ -81,6 +81,14 @@ struct TelemetryRow {
     Stream stream;
     /// std::nullopt: the values are not known, or too old.
     std::optional<Payload> (*make)(const TelemetryContext& context);
+    /// The frames that its main values come from; 0x00: none. It is sent again only after another of these.
+    std::array<std::uint8_t, 2> sources{};
+
+    bool has_sources() const noexcept { return sources[0] != 0; }
+    /// Changes with every such frame.
+    std::uint32_t version(const VehicleState& state) const noexcept {
+        return state.frames(sources[0]) + state.frames(sources[1]);
+    }
 };
 std::span<const TelemetryRow> telemetry_rows() noexcept;
 /// nullptr: there is no such message.

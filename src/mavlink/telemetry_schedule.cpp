@@ -60,30 +60,27 @@ std::int32_t TelemetrySchedule::interval_us(std::uint32_t id) const noexcept {
     return 0;
 }
 
-std::optional<std::size_t> TelemetrySchedule::next(ano::TimePoint now) noexcept {
+std::optional<std::size_t> TelemetrySchedule::next(ano::TimePoint now,
+                                                   const std::function<bool(std::size_t place)>& is_fresh) const {
+    constexpr int early = 2;
     std::optional<std::size_t> most;
     double most_overdue = 0;
     for (std::size_t i = 0; i < entries_.size(); ++i) {
         const Entry& entry = entries_[i];
-        if (entry.interval == never || entry.due > now) continue;
+        if (entry.interval == never || entry.due - entry.interval / early > now) continue;
         // In intervals, so that a link that is too slow sends each message at the same share of its rate.
         const double overdue = std::chrono::duration<double>(now - entry.due) / std::chrono::duration<double>(entry.interval);
-        if (most && overdue <= most_overdue) continue;
+        if ((most && overdue <= most_overdue) || !is_fresh(i)) continue;
         most = i;
         most_overdue = overdue;
     }
-    if (!most) return std::nullopt;
-    Entry& entry = entries_[*most];
-    // What a slow link missed is not made up for.
-    entry.due = now - entry.due > entry.interval ? now + entry.interval : entry.due + entry.interval;
     return most;
 }
 
-ano::TimePoint TelemetrySchedule::due() const noexcept {
-    ano::TimePoint first = ano::TimePoint::max();
-    for (const Entry& entry : entries_)
-        if (entry.interval != never) first = std::min(first, entry.due);
-    return first;
+// What a slow link missed is not made up for.
+void TelemetrySchedule::on_sent(std::size_t place, ano::TimePoint now) noexcept {
+    Entry& entry = entries_[place];
+    entry.due = now - entry.due > entry.interval ? now + entry.interval : entry.due + entry.interval;
 }
 
 }    // namespace anogate::mavlink

@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -23,10 +24,13 @@ public:
     /// MESSAGE_INTERVAL.interval_us: -1: never, 0: there is no such message.
     std::int32_t interval_us(std::uint32_t id) const noexcept;
 
-    /// The place in telemetry_rows() of the message that is most overdue; std::nullopt: none is due. Its next time is set. Call it
-    /// whenever the link accepts a packet.
-    std::optional<std::size_t> next(ano::TimePoint now) noexcept;
-    ano::TimePoint due() const noexcept;
+    /// The place in telemetry_rows() of the message that is most overdue; std::nullopt: none is due. Call it whenever the link accepts a
+    /// packet, and after frames were received. `is_fresh`: whether a message has new values; one that has none is left out. A message may be
+    /// early by half of its interval, so that values that arrive at its rate are sent when they arrive.
+    std::optional<std::size_t> next(
+        ano::TimePoint now, const std::function<bool(std::size_t place)>& is_fresh = [](auto) { return true; }) const;
+    /// It was sent.
+    void on_sent(std::size_t place, ano::TimePoint now) noexcept;
 
 private:
     struct Entry {

@@ -31,6 +31,7 @@ Vector VehicleState::of_vehicle(const char* x, const char* y, const char* z, dou
 void VehicleState::receive(const ano::Reading& reading, ano::TimePoint now) noexcept {
     if (!reading) return;
     reading_ = &reading;
+    ++frames_[reading.message()->id];
     switch (reading.message()->id) {
     case ano::id_of<"inertial">:
         acceleration.set(of_vehicle("acc_x", "acc_y", "acc_z", metre), now);

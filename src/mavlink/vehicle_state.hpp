@@ -117,6 +117,8 @@ public:
     explicit VehicleState(ano::EulerSigns signs = ano::EulerSigns::document) noexcept : signs_{signs} {}
     void set_signs(ano::EulerSigns signs) noexcept { signs_ = signs; }
 
+    /// The number of frames of this message that were received.
+    std::uint32_t frames(std::uint8_t id) const noexcept { return frames_[id]; }
     /// A frame of the device.
     void receive(const ano::Reading& reading, ano::TimePoint now) noexcept;
 
@@ -169,6 +171,7 @@ private:
     Latest<ano::Rotation> by_quaternion_, by_euler_;
     std::optional<Home> home_;
     bool home_is_fixed_ = false;
+    std::array<std::uint32_t, 256> frames_{};    // by message
 };
 
 }    // namespace anogate::mavlink

@@ -8,6 +8,7 @@
 #include <support/bytes.hpp>
 
 #include <cmath>
+#include <map>
 #include <numbers>
 
 namespace mavlink_telemetry_tests {
@@ -426,7 +427,10 @@ protected:
     std::map<std::uint32_t, int> sent(ano::Duration time, ano::Duration step) {
         std::map<std::uint32_t, int> counts;
         for (const TimePoint end = now + time; now < end; now += step)
-            if (const auto row = schedule.next(now)) ++counts[telemetry_rows()[*row].id];
+            if (const auto row = schedule.next(now)) {
+                schedule.on_sent(*row, now);
+                ++counts[telemetry_rows()[*row].id];
+            }
         return counts;
     }
     TimePoint now{1h};
