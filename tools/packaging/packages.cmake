@@ -7,6 +7,7 @@ set(packages anogate libano-dev)
 if(TARGET anogate-ros2)
   list(APPEND packages anogate-ros2)
 endif()
+list(APPEND packages anogate-mavlink)
 foreach(package ${packages})
   install(FILES ${PROJECT_SOURCE_DIR}/tools/packaging/copyright ${ANOGATE_PACKAGE}/changelog.gz
     DESTINATION share/doc/${package} COMPONENT ${package})
@@ -28,6 +29,10 @@ if(TARGET anogate-ros2)
     execute_process(COMMAND gzip -9nf "$ENV{DESTDIR}${CMAKE_INSTALL_PREFIX}/share/man/man8/anogate-ros2.8" COMMAND_ERROR_IS_FATAL ANY)
   ]] COMPONENT anogate-ros2)
 endif()
+
+install(CODE [[
+  execute_process(COMMAND gzip -9nf "$ENV{DESTDIR}${CMAKE_INSTALL_PREFIX}/share/man/man8/anogate-mavlink.8" COMMAND_ERROR_IS_FATAL ANY)
+]] COMPONENT anogate-mavlink)
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_OUTPUT_FILE_PREFIX ${ANOGATE_PACKAGE})
@@ -90,6 +95,18 @@ set(CPACK_COMPONENT_ANOGATE-ROS2_DESCRIPTION "ROS 2 topics of the devices of ano
 Publishes the messages of ANO V8 devices as standard ROS 2 messages over DDS,
 and passes velocities, sticks and commands of ROS 2 nodes to them if the
 configuration allows it. ROS 2 itself is not needed.
+.
+Includes a systemd service that must be enabled before it starts.")
+set(CPACK_DEBIAN_ANOGATE-MAVLINK_PACKAGE_NAME anogate-mavlink)
+set(CPACK_DEBIAN_ANOGATE-MAVLINK_PACKAGE_SECTION comm)
+set(CPACK_DEBIAN_ANOGATE-MAVLINK_PACKAGE_DEPENDS "anogate, libc6 (>= 2.35), libgcc-s1 (>= 3.4), \
+libssl3 (>= 3.0.0) | libssl3t64 (>= 3.0.0), libstdc++6 (>= 12)")
+set(CPACK_DEBIAN_ANOGATE-MAVLINK_PACKAGE_CONTROL_EXTRA ${PROJECT_SOURCE_DIR}/tools/packaging/mavlink/postinst
+  ${PROJECT_SOURCE_DIR}/tools/packaging/mavlink/prerm ${PROJECT_SOURCE_DIR}/tools/packaging/mavlink/postrm)
+set(CPACK_COMPONENT_ANOGATE-MAVLINK_DESCRIPTION "devices of anogate in MAVLink ground stations
+Shows ANO V8 devices to QGroundControl and other ground stations: telemetry,
+parameters, missions and commands over MAVLink. A station steers a device only
+if the configuration allows it.
 .
 Includes a systemd service that must be enabled before it starts.")
 include(CPack)

@@ -1,0 +1,10 @@
+# MAVLink as another implementation reads and writes it: cmake -DNODE=… -DNPM=… -DSOURCE=… -DMODULES=… -DPACKETS=… -P run.cmake
+include(${CMAKE_CURRENT_LIST_DIR}/../support/npm_modules.cmake)
+fetch_modules(${SOURCE} ${MODULES})
+if(fault)
+  message(STATUS "node-mavlink is not here: ${fault}")
+  return()
+endif()
+set(ENV{MODULES} ${MODULES})
+set(ENV{PACKETS} ${PACKETS})
+execute_process(COMMAND ${NODE} --test ${SOURCE}/oracle.mjs COMMAND_ERROR_IS_FATAL ANY)

@@ -1,0 +1,16 @@
+# Completions of fish for anogate-mavlink. Generated from its tables of options and commands.
+complete -c anogate-mavlink -f
+complete -c anogate-mavlink -s h -l help -d 'Print this help and exit'
+complete -c anogate-mavlink -s V -l version -d 'print the version'
+complete -c anogate-mavlink -s c -l config -r -F -d 'JSON file'
+complete -c anogate-mavlink -l udp -x -d 'send to this ground station, such as 192.168.1.20'
+complete -c anogate-mavlink -l udp-listen -x -d 'ground stations send to this address first'
+complete -c anogate-mavlink -l tcp-listen -x -d 'ground stations connect to this address, such as 0.0.0.0'
+complete -c anogate-mavlink -l serial -x -a '(__anoctl_known names)' -d 'the serial port of a telemetry radio'
+complete -c anogate-mavlink -l device -x -d 'show the device with the hardware id A as this system '
+complete -c anogate-mavlink -l control -r -F -d 'the control socket of the gateway '
+complete -c anogate-mavlink -l baud -x -d 'the baud rate of the serial ports'
+complete -c anogate-mavlink -l signing-file -r -F -d 'a file whose first line is the passphrase for signed packets, as in the ground station'
+complete -c anogate-mavlink -l autopilot -x -a 'generic px4 ardupilot' -d 'as which autopilot the devices are shown'
+complete -c anogate-mavlink -l check -d 'check the configuration'
+complete -c anogate-mavlink -l print-config -d 'print the resulting configuration as a file'
