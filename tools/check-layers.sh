@@ -37,8 +37,9 @@ layers=(
     "daemon: $rooms gpio runtime watch status recording foxglove control"
     "client: $protocol ano_json gateway http record ros sys"
     "ros2: $protocol ano_json client config gateway http log record ros sys"
+    "mqtt: $protocol ano_json client config gateway http log record ros sys"
     "anoctl: $wires $engine http"
-    "reference: $rooms daemon anoctl ros2"
+    "reference: $rooms daemon anoctl ros2 mqtt"
 )
 names=$(printf '%s\n' "${layers[@]%%:*}" | paste -sd'|')
 for layer in "${layers[@]}"; do
@@ -77,6 +78,7 @@ no_more_of src/devices 'client_text|large_body|places|producer|request|response|
 no_more_of tools/anoctl 'answer|asio|client/certificate|client/client|client/percent_encoded|producer|request|response|routes|socket_path|web_socket'    # the client's side
 no_more_of src/client 'answer|client/client|client/percent_encoded|request|socket_path|web_socket'
 no_more_of src/ros2 'answer|client/percent_encoded'
+no_more_of src/mqtt 'answer'
 no_more_of src/gpio 'response'
 
 # only_in FILES INCLUDE: no other file has such an #include; FILES is a pattern.
@@ -85,14 +87,16 @@ only_in() {
 }
 forbid "sys/asio\.hpp" src/link/*.hpp src/link/*/*.hpp    # asio_fwd.hpp: otherwise everybody who knows a link would compile it
 only_in 'src/(sys|http)/asio(_ssl)?\.hpp' 'boost/asio'
-only_in 'src/(http/(tls|client/certificate)|link/tcp/tls_context|ros2/type_hash)\.cpp|tests/support/(key_updates|early_certificate)\.hpp' 'openssl/|http/asio_ssl'
+only_in 'src/(http/(tls|client/certificate)|link/tcp/tls_context|ros2/type_hash|mqtt/broker)\.cpp|tests/support/(key_updates|early_certificate)\.hpp' 'openssl/|http/asio_ssl'
 only_in 'src/http/[a-z_/]+\.cpp' 'boost/beast'
 only_in 'src/gpio/gpio_line\.cpp' 'gpiod'
 only_in 'tools/anoctl/device/png\.cpp|tests/.*' 'png\.h'
 only_in 'tools/anoctl/web/qr_text\.cpp' 'qrencode\.h'
 only_in 'src/record/zstd\.cpp' 'zstd\.h'
 only_in 'src/ros2/fast_dds\.cpp|tests/ros2/.*' 'fast(dds|rtps)/'
-only_in 'src/(daemon|ros2)/command_line\.cpp|tools/anoctl/anoctl\.cpp' 'CLI/'
+only_in 'src/mqtt/broker\.cpp|tests/mqtt/.*' '(mosquitto|mqtt_protocol)\.h'
+only_in 'src/mqtt/spool\.cpp|tests/mqtt/.*' 'sqlite3\.h'
+only_in 'src/(daemon|ros2|mqtt)/command_line\.cpp|tools/anoctl/anoctl\.cpp' 'CLI/'
 only_in '(src|tools)/[a-z0-9_/]+\.cpp|src/config/key_objects\.hpp|tests/.*' 'nlohmann/json\.hpp'
 only_in 'src/log/log(_line|_queue|_writer)?\.[ch]pp|tests/.*' 'spdlog/'
 ((bad == 0)) || echo "These includes violate the layers."
