@@ -15,6 +15,7 @@ public:
     /// `rate`: the most bytes per second.
     explicit BacklogPace(std::uint64_t rate) : rate_{rate} {}
 
+    ano::TimePoint next() const noexcept { return next_; }
     bool may_publish(ano::TimePoint now) const noexcept { return now >= next_; }
     void on_published(std::size_t bytes, ano::TimePoint now) noexcept {
         begun_ = now;

@@ -1,4 +1,4 @@
-// Records in memory: published first, and passed to the spool only if they are not acknowledged within one second. No I/O, no clock.
+// Records in memory: published first, and passed to the spool only if they are not acknowledged within `patience`. No I/O, no clock.
 #pragma once
 #include <ano/time.hpp>
 #include <mqtt/puback.hpp>
@@ -15,7 +15,8 @@ namespace anogate {
 
 class Delivery {
 public:
-    static constexpr ano::Duration patience = std::chrono::seconds{1};
+    /// With a look four times per second, a record is on the disk before it is one second old.
+    static constexpr ano::Duration patience = std::chrono::milliseconds{700};
     static constexpr std::size_t max_bytes = 4 * 1024 *
                                              1024;    // of records in memory; above, the oldest go to the spool at once
 

@@ -9,25 +9,17 @@
 
 namespace anogate {
 
-/// Pauses from 1 s to 60 s with full jitter, so that a fleet does not come back in one moment.
-class Reconnection {
-public:
-    static constexpr std::chrono::milliseconds first{1000}, longest{60'000};
-    static constexpr std::chrono::milliseconds stable{10'000};    // a connection that lasts so long begins anew
+inline constexpr std::chrono::milliseconds shortest_pause_limit{1000}, longest_pause_limit{60'000};
+/// The end of a shorter connection is not the beginning of an outage.
+inline constexpr std::chrono::milliseconds stable_connection{10'000};
 
-    /// `random`: from 0 to 1.
-    std::chrono::milliseconds pause(double random) noexcept {
-        const auto pause = std::chrono::milliseconds{static_cast<std::int64_t>(random * static_cast<double>(limit_.count()))};
-        limit_ = std::min(2 * limit_, longest);
-        return pause;
-    }
-    void on_connected_for(ano::Duration time) noexcept {
-        if (time >= stable) limit_ = first;
-    }
-
-private:
-    std::chrono::milliseconds limit_ = first;
-};
+/// The pause before the next attempt: at most as long as the outage lasts, so that a broker that was restarted has its fleet back at once,
+/// and one that was down for long gets it within a minute. With full jitter: `random` is from 0 to 1.
+constexpr std::chrono::milliseconds reconnect_pause(ano::Duration outage, double random) noexcept {
+    const auto limit = std::clamp(std::chrono::duration_cast<std::chrono::milliseconds>(outage), shortest_pause_limit,
+                                  longest_pause_limit);
+    return std::chrono::milliseconds{static_cast<std::int64_t>(random * static_cast<double>(limit.count()))};
+}
 
 /// The times of a certificate, in seconds since 1970.
 struct CertificateLife {

@@ -22,6 +22,8 @@ constexpr char options[] =
 constexpr std::int64_t version = 1;
 constexpr std::uint64_t kept_requests_s = 2 * 3600;
 constexpr std::uint64_t min_bytes = 256 * 1024;
+constexpr std::int64_t clock_was_set =
+    1'577'836'800;    // 2020: what is older was written before the clock was set, and has no age
 
 std::string file_in(const std::string& folder) { return folder + "/spool.db"; }
 
@@ -140,6 +142,7 @@ Expected<void> Spool::open_database() {
     if (check.has_row() && check.bytes(0) != "ok") database_->note(SQLITE_CORRUPT);
     if (database_->code() != SQLITE_OK || !database_->run(schema)) return database_->fault();
     records_ = static_cast<std::uint64_t>(database_->number("SELECT coalesce(sum(records), 0) FROM batch"));
+    last_id_ = std::max(last_id_, database_->number("SELECT coalesce(max(id), 0) FROM batch"));
     return database_->code() == SQLITE_OK ? Expected<void>{} : database_->fault();
 }
 
@@ -191,16 +194,20 @@ Expected<void> Spool::write_once(std::span<const Batch> batches, std::span<const
         if (remove.with(id).has_row()) records_ -= static_cast<std::uint64_t>(remove.number(0));
         remove.again();
     }
-    Statement add{*database_, "INSERT INTO batch (keep, time, records, body) VALUES (?, ?, ?, ?)"};
+    Statement add{*database_, "INSERT INTO batch (id, keep, time, records, body) VALUES (?, ?, ?, ?, ?)"};
     for (const Batch& batch : batches) {
-        add.with(static_cast<std::int64_t>(batch.keep)).with(batch.time_s).with(batch.records).with_bytes(batch.body);
+        add.with(++last_id_)
+            .with(static_cast<std::int64_t>(batch.keep))
+            .with(batch.time_s)
+            .with(batch.records)
+            .with_bytes(batch.body);
         if (!add.run()) return database_->fault();
         add.again();
         records_ += batch.records;
     }
     if (auto kept = drop_oldest(now_s); !kept) return kept;
-    Statement forget{*database_, "DELETE FROM request WHERE time < ?"};
-    if (!forget.with(static_cast<std::int64_t>(now_s) - static_cast<std::int64_t>(kept_requests_s)).run())
+    Statement forget{*database_, "DELETE FROM request WHERE time < ? AND time > ?"};
+    if (!forget.with(static_cast<std::int64_t>(now_s) - static_cast<std::int64_t>(kept_requests_s)).with(clock_was_set).run())
         return database_->fault();
     return database_->run("COMMIT") ? Expected<void>{} : database_->fault();
 }
@@ -210,8 +217,8 @@ Expected<void> Spool::drop_oldest(std::uint64_t now_s) {
         records_ -= static_cast<std::uint64_t>(row.number(0));
         dropped_ += static_cast<std::uint64_t>(row.number(0));
     };
-    Statement old{*database_, "DELETE FROM batch WHERE time < ? RETURNING records"};
-    old.with(static_cast<std::int64_t>(now_s) - static_cast<std::int64_t>(limits_.age_s));
+    Statement old{*database_, "DELETE FROM batch WHERE time < ? AND time > ? RETURNING records"};
+    old.with(static_cast<std::int64_t>(now_s) - static_cast<std::int64_t>(limits_.age_s)).with(clock_was_set);
     while (old.has_row()) count(old);
     Statement drop{*database_, "DELETE FROM batch WHERE id = (SELECT id FROM batch ORDER BY keep, id LIMIT 1) RETURNING records"};
     while (bytes() > limits_.bytes) {

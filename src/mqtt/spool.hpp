@@ -73,6 +73,7 @@ private:
     std::function<void(std::string)> report_;
     std::unique_ptr<Database> database_;
     std::vector<std::int64_t> done_;    // not removed yet
+    std::int64_t last_id_ = 0;          // never used again: a batch that is done may have been dropped already
     std::uint64_t records_ = 0, dropped_ = 0;
 };
 

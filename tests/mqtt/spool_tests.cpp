@@ -114,8 +114,21 @@ TEST(MqttSpool, drops_the_oldest_of_the_lowest_class_when_it_is_full_and_counts_
 TEST(MqttSpool, drops_what_is_too_old) {
     Disk disk;
     auto spool = disk.open({.age_s = 3600});
-    ASSERT_TRUE(spool->write(std::vector{batch(1, Keep::high, 100, now_s - 3601), batch(2)}, {}, now_s));
+    ASSERT_TRUE(
+        spool->write(std::vector{batch(1, Keep::high, 100, now_s - 3601), batch(2), batch(3, Keep::low, 100, 60)}, {}, now_s));
     EXPECT_EQ(spool->dropped(), 10u);
+    EXPECT_EQ(numbers(*spool), (Numbers{2, 3})) << "3 was written before the clock was set";
+}
+
+TEST(MqttSpool, a_batch_that_was_dropped_while_it_was_in_flight_removes_no_other) {
+    Disk disk;
+    auto spool = disk.open({.age_s = 3600});
+    ASSERT_TRUE(spool->write(std::vector{batch(1)}, {}, now_s));
+    const std::int64_t in_flight = spool->next()->id;
+    ASSERT_TRUE(spool->write({}, {}, now_s + 3601));
+    ASSERT_TRUE(spool->write(std::vector{batch(2, Keep::normal, 100, now_s + 3601)}, {}, now_s + 3601));
+    spool->remove_later(in_flight);
+    ASSERT_TRUE(spool->write({}, {}, now_s + 3601));
     EXPECT_EQ(numbers(*spool), Numbers{2});
 }
 
