@@ -1,12 +1,14 @@
-# The Debian packages anogate, libano-dev and, where Fast DDS is, anogate-ros2; tools/package sets ANOGATE_PACKAGE to the folder that holds what it wrote for them:
+# The Debian packages anogate, libano-dev and, where their libraries are, anogate-ros2 and anogate-mqtt; tools/package sets ANOGATE_PACKAGE to the folder that holds what it wrote for them:
 # version, changelog and sbom.spdx.json.
 file(READ ${ANOGATE_PACKAGE}/version package_version)
 string(STRIP "${package_version}" package_version)
 
 set(packages anogate libano-dev)
-if(TARGET anogate-ros2)
-  list(APPEND packages anogate-ros2)
-endif()
+foreach(bridge anogate-ros2 anogate-mqtt)
+  if(TARGET ${bridge})
+    list(APPEND packages ${bridge})
+  endif()
+endforeach()
 foreach(package ${packages})
   install(FILES ${PROJECT_SOURCE_DIR}/tools/packaging/copyright ${ANOGATE_PACKAGE}/changelog.gz
     DESTINATION share/doc/${package} COMPONENT ${package})
@@ -20,11 +22,14 @@ install(CODE [[
   endforeach()
 ]] COMPONENT anogate)
 
-if(TARGET anogate-ros2)
-  install(CODE [[
-    execute_process(COMMAND gzip -9nf "$ENV{DESTDIR}${CMAKE_INSTALL_PREFIX}/share/man/man8/anogate-ros2.8" COMMAND_ERROR_IS_FATAL ANY)
-  ]] COMPONENT anogate-ros2)
-endif()
+foreach(bridge anogate-ros2 anogate-mqtt)
+  if(TARGET ${bridge})
+    install(CODE "set(bridge ${bridge})" COMPONENT ${bridge})
+    install(CODE [[
+      execute_process(COMMAND gzip -9nf "$ENV{DESTDIR}${CMAKE_INSTALL_PREFIX}/share/man/man8/${bridge}.8" COMMAND_ERROR_IS_FATAL ANY)
+    ]] COMPONENT ${bridge})
+  endif()
+endforeach()
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_OUTPUT_FILE_PREFIX ${ANOGATE_PACKAGE})
@@ -87,6 +92,19 @@ set(CPACK_COMPONENT_ANOGATE-ROS2_DESCRIPTION "ROS 2 topics of the devices of ano
 Publishes the messages of ANO V8 devices as standard ROS 2 messages over DDS,
 and passes velocities, sticks and commands of ROS 2 nodes to them if the
 configuration allows it. ROS 2 itself is not needed.
+.
+Includes a systemd service that must be enabled before it starts.")
+# Of Debian 12 alone as well: built with its libraries.
+set(CPACK_DEBIAN_ANOGATE-MQTT_PACKAGE_NAME anogate-mqtt)
+set(CPACK_DEBIAN_ANOGATE-MQTT_PACKAGE_SECTION comm)
+set(CPACK_DEBIAN_ANOGATE-MQTT_PACKAGE_DEPENDS "anogate, libc6 (>= 2.35), libgcc-s1 (>= 3.4), libmosquitto1 (>= 2.0.11), \
+libsqlite3-0 (>= 3.40), libssl3 (>= 3.0.0), libstdc++6 (>= 12)")
+set(CPACK_DEBIAN_ANOGATE-MQTT_PACKAGE_CONTROL_EXTRA ${PROJECT_SOURCE_DIR}/tools/packaging/mqtt/postinst
+  ${PROJECT_SOURCE_DIR}/tools/packaging/mqtt/prerm ${PROJECT_SOURCE_DIR}/tools/packaging/mqtt/postrm)
+set(CPACK_COMPONENT_ANOGATE-MQTT_DESCRIPTION "MQTT uplink of the devices of anogate
+Publishes the messages of ANO V8 devices to an MQTT 5 broker, stores them while
+it can't be reached, and executes requests of its clients if the configuration
+allows it. Also collects the messages of a fleet.
 .
 Includes a systemd service that must be enabled before it starts.")
 include(CPack)

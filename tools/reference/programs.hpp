@@ -35,6 +35,7 @@ struct Program {
 Program anogated_program();
 Program anoctl_program();
 Program anogate_ros2_program();
+Program anogate_mqtt_program();
 
 std::vector<std::string> message_names();
 /// The names that belong to a single address: "host", "flight_controller", …

@@ -2,7 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <string>
+#include <vector>
 
 namespace mqtt_config_tests {
 namespace {
@@ -51,6 +55,22 @@ TEST(MqttConfig, a_printed_configuration_is_the_same_again) {
     ASSERT_TRUE(errors.empty()) << errors.front().where << errors.front().what << printed;
     EXPECT_EQ(again, settings);
     EXPECT_EQ(print_mqtt_config(again), printed);
+}
+
+TEST(MqttConfig, the_examples_in_the_repository_are_valid) {
+    std::vector<std::filesystem::path> files{ANOGATE_SOURCE_DIR "/config/mqtt.json"};
+    for (const auto& entry : std::filesystem::directory_iterator{ANOGATE_SOURCE_DIR "/config/mqtt"})
+        if (entry.path().extension() == ".json") files.push_back(entry.path());
+    EXPECT_GE(files.size(), 3u);
+    for (const auto& file : files) {
+        std::ifstream stream{file};
+        const std::string text{std::istreambuf_iterator<char>{stream}, {}};
+        EXPECT_EQ(faults(text), "") << file;
+        MqttSettings settings;
+        ConfigErrors errors;
+        read_mqtt_config(text, "", settings, errors);
+        EXPECT_EQ(faults_of(settings), "") << file;
+    }
 }
 
 TEST(MqttConfig, errors_name_the_place_and_the_nearest_key) {
