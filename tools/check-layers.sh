@@ -38,8 +38,9 @@ layers=(
     "client: $protocol ano_json gateway http record ros sys"
     "ros2: $protocol ano_json client config gateway http log record ros sys"
     "mavlink: $decisions ano_json client config host http link log record ros sys"
+    "mqtt: $protocol ano_json client config gateway http log record ros sys"
     "anoctl: $wires $engine http"
-    "reference: $rooms daemon anoctl ros2 mavlink"
+    "reference: $rooms daemon anoctl ros2 mavlink mqtt"
 )
 names=$(printf '%s\n' "${layers[@]%%:*}" | paste -sd'|')
 for layer in "${layers[@]}"; do
@@ -79,6 +80,7 @@ no_more_of tools/anoctl 'answer|asio|client/certificate|client/client|client/per
 no_more_of src/client 'answer|client/client|client/percent_encoded|request|socket_path|web_socket'
 no_more_of src/ros2 'answer|client/percent_encoded'
 no_more_of src/mavlink 'answer|client/percent_encoded'
+no_more_of src/mqtt 'answer'
 no_more_of src/gpio 'response'
 
 # only_in FILES INCLUDE: no other file has such an #include; FILES is a pattern.
@@ -87,14 +89,16 @@ only_in() {
 }
 forbid "sys/asio\.hpp" src/link/*.hpp src/link/*/*.hpp    # asio_fwd.hpp: otherwise everybody who knows a link would compile it
 only_in 'src/(sys|http)/asio(_ssl)?\.hpp' 'boost/asio'
-only_in 'src/(http/(tls|client/certificate)|link/tcp/tls_context|sys/certificate_validity|ros2/type_hash|mavlink/signature)\.cpp|tests/support/(key_updates|changed_certificate)\.hpp' 'openssl/|http/asio_ssl'
+only_in 'src/(http/(tls|client/certificate)|link/tcp/tls_context|sys/certificate_validity|ros2/type_hash|mavlink/signature|mqtt/broker)\.cpp|tests/support/(key_updates|changed_certificate)\.hpp' 'openssl/|http/asio_ssl'
 only_in 'src/http/[a-z_/]+\.cpp' 'boost/beast'
 only_in 'src/gpio/gpio_line\.cpp' 'gpiod'
 only_in 'tools/anoctl/device/png\.cpp|tests/.*' 'png\.h'
 only_in 'tools/anoctl/web/qr_text\.cpp' 'qrencode\.h'
 only_in 'src/record/zstd\.cpp' 'zstd\.h'
 only_in 'src/ros2/fast_dds\.cpp|tests/ros2/.*' 'fast(dds|rtps)/'
-only_in 'src/(daemon|ros2|mavlink)/command_line\.cpp|tools/anoctl/anoctl\.cpp' 'CLI/'
+only_in 'src/mqtt/broker\.cpp|tests/mqtt/.*' '(mosquitto|mqtt_protocol)\.h'
+only_in 'src/mqtt/spool\.cpp|tests/mqtt/.*' 'sqlite3\.h'
+only_in 'src/(daemon|ros2|mavlink|mqtt)/command_line\.cpp|tools/anoctl/anoctl\.cpp' 'CLI/'
 only_in '(src|tools)/[a-z0-9_/]+\.cpp|src/config/key_objects\.hpp|tests/.*' 'nlohmann/json\.hpp'
 only_in 'src/log/log(_line|_queue|_writer)?\.[ch]pp|tests/.*' 'spdlog/'
 ((bad == 0)) || echo "These includes violate the layers."

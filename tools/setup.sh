@@ -43,7 +43,7 @@ unpack_package() {
 build_packages=(cmake:cmake ninja-build:ninja g++:g++ libboost-dev libspdlog-dev nlohmann-json3-dev libcli11-dev
                 libgpiod-dev libexpected-dev libpng-dev libqrencode-dev libssl-dev libzstd-dev pkg-config:pkg-config)
 page_packages=(npm:npm)    # for the page in the browser
-bridge_packages=(libfastrtps-dev)    # for anogate-ros2; without it the rest is built
+bridge_packages=(libfastrtps-dev libmosquitto-dev libsqlite3-dev)    # for anogate-ros2 and anogate-mqtt; without them the rest is built
 
 # JOBS in the environment; without it, one job for each processor, but at most one for each gigabyte of free memory, so that a small board
 # does not swap.

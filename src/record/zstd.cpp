@@ -35,6 +35,12 @@ void ZstdPacker::pack(std::string_view bytes, std::string& out) {
     out.resize(before + size);
 }
 
+std::optional<std::size_t> unpacked_size(std::string_view packed) noexcept {
+    const unsigned long long size = ZSTD_getFrameContentSize(packed.data(), packed.size());
+    if (size == ZSTD_CONTENTSIZE_UNKNOWN || size == ZSTD_CONTENTSIZE_ERROR) return std::nullopt;
+    return size;
+}
+
 struct ZstdUnpacker::Context {
     struct Free {
         void operator()(ZSTD_DCtx* context) const { ZSTD_freeDCtx(context); }

@@ -2,6 +2,7 @@
 #pragma once
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -21,6 +22,9 @@ private:
     struct Context;
     std::unique_ptr<Context> context_;
 };
+
+/// The size that `packed` claims to have when it is decompressed; std::nullopt: it is not compressed by ZstdPacker.
+std::optional<std::size_t> unpacked_size(std::string_view packed) noexcept;
 
 class ZstdUnpacker {
 public:

@@ -1,12 +1,14 @@
-# The Debian packages anogate, libano-dev and, where Fast DDS is, anogate-ros2; tools/package sets ANOGATE_PACKAGE to the folder that holds what it wrote for them:
+# The Debian packages anogate, libano-dev and, where Fast DDS is, anogate-ros2, and where libmosquitto and SQLite are, anogate-mqtt; tools/package sets ANOGATE_PACKAGE to the folder that holds what it wrote for them:
 # version, changelog and the bills of materials.
 file(READ ${ANOGATE_PACKAGE}/version package_version)
 string(STRIP "${package_version}" package_version)
 
 set(packages anogate libano-dev)
-if(TARGET anogate-ros2)
-  list(APPEND packages anogate-ros2)
-endif()
+foreach(bridge anogate-ros2 anogate-mqtt)
+  if(TARGET ${bridge})
+    list(APPEND packages ${bridge})
+  endif()
+endforeach()
 list(APPEND packages anogate-mavlink)
 foreach(package ${packages})
   install(FILES ${PROJECT_SOURCE_DIR}/tools/packaging/copyright ${ANOGATE_PACKAGE}/changelog.gz
@@ -24,11 +26,14 @@ install(CODE [[
   endforeach()
 ]] COMPONENT anogate)
 
-if(TARGET anogate-ros2)
-  install(CODE [[
-    execute_process(COMMAND gzip -9nf "$ENV{DESTDIR}${CMAKE_INSTALL_PREFIX}/share/man/man8/anogate-ros2.8" COMMAND_ERROR_IS_FATAL ANY)
-  ]] COMPONENT anogate-ros2)
-endif()
+foreach(bridge anogate-ros2 anogate-mqtt)
+  if(TARGET ${bridge})
+    install(CODE "set(bridge ${bridge})" COMPONENT ${bridge})
+    install(CODE [[
+      execute_process(COMMAND gzip -9nf "$ENV{DESTDIR}${CMAKE_INSTALL_PREFIX}/share/man/man8/${bridge}.8" COMMAND_ERROR_IS_FATAL ANY)
+    ]] COMPONENT ${bridge})
+  endif()
+endforeach()
 
 install(CODE [[
   execute_process(COMMAND gzip -9nf "$ENV{DESTDIR}${CMAKE_INSTALL_PREFIX}/share/man/man8/anogate-mavlink.8" COMMAND_ERROR_IS_FATAL ANY)
@@ -107,6 +112,19 @@ set(CPACK_COMPONENT_ANOGATE-MAVLINK_DESCRIPTION "devices of anogate in MAVLink g
 Shows ANO V8 devices to QGroundControl and other ground stations: telemetry,
 parameters, missions and commands over MAVLink. A station steers a device only
 if the configuration allows it.
+.
+Includes a systemd service that must be enabled before it starts.")
+# Of Debian 12 alone as well: built with its libraries.
+set(CPACK_DEBIAN_ANOGATE-MQTT_PACKAGE_NAME anogate-mqtt)
+set(CPACK_DEBIAN_ANOGATE-MQTT_PACKAGE_SECTION comm)
+set(CPACK_DEBIAN_ANOGATE-MQTT_PACKAGE_DEPENDS "anogate, libc6 (>= 2.35), libgcc-s1 (>= 3.4), libmosquitto1 (>= 2.0.11), \
+libsqlite3-0 (>= 3.40), libssl3 (>= 3.0.0), libstdc++6 (>= 12)")
+set(CPACK_DEBIAN_ANOGATE-MQTT_PACKAGE_CONTROL_EXTRA ${PROJECT_SOURCE_DIR}/tools/packaging/mqtt/postinst
+  ${PROJECT_SOURCE_DIR}/tools/packaging/mqtt/prerm ${PROJECT_SOURCE_DIR}/tools/packaging/mqtt/postrm)
+set(CPACK_COMPONENT_ANOGATE-MQTT_DESCRIPTION "MQTT uplink of the devices of anogate
+Publishes the messages of ANO V8 devices to an MQTT 5 broker, stores them while
+it can't be reached, and executes requests of its clients if the configuration
+allows it. Also collects the messages of a fleet.
 .
 Includes a systemd service that must be enabled before it starts.")
 include(CPack)

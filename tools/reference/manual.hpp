@@ -11,6 +11,7 @@ std::string anogated_page();                                               // an
 std::string anoctl_page();                                                 // anoctl(1)
 std::string anogate_ros2_page();                                           // anogate-ros2(8)
 std::string anogate_mavlink_page();                                        // anogate-mavlink(8)
+std::string anogate_mqtt_page();                                           // anogate-mqtt(8)
 std::string configuration_page();                                          // anogate.json(5)
 std::string api_page(std::span<const anogate::http::Routes::Row> rows);    // anogate-api(7)
 

@@ -8,6 +8,7 @@
 #include <daemon/command_line.hpp>
 #include <link/kinds.hpp>
 #include <mavlink/command_line.hpp>
+#include <mqtt/command_line.hpp>
 #include <ros2/command_line.hpp>
 
 #include <algorithm>
@@ -96,6 +97,15 @@ Program anogate_mavlink_program() {
         command.options.push_back({option.names, option.value, is_help ? help_text : option.help});
     }
     return {"anogate-mavlink", {command}};
+}
+
+Program anogate_mqtt_program() {
+    Command command{"", "Publish the messages of a gateway's devices to an MQTT broker", {}, {}};
+    for (const anogate::MqttOption& option : anogate::mqtt_option_texts()) {
+        const bool is_help = std::find(option.names.begin(), option.names.end(), "--help") != option.names.end();
+        command.options.push_back({option.names, option.value, is_help ? help_text : option.help});
+    }
+    return {"anogate-mqtt", {command}};
 }
 
 std::vector<std::string> message_names() {

@@ -36,6 +36,7 @@ Program anogated_program();
 Program anoctl_program();
 Program anogate_ros2_program();
 Program anogate_mavlink_program();
+Program anogate_mqtt_program();
 
 std::vector<std::string> message_names();
 /// The names that belong to a single address: "host", "flight_controller", …

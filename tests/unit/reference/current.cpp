@@ -14,6 +14,7 @@
 #include <http/task_pool.hpp>
 #include <link/kinds.hpp>
 #include <mavlink/mavlink_config.hpp>
+#include <mqtt/mqtt_config.hpp>
 #include <recording/recordings.hpp>
 #include <ros2/ros2_config.hpp>
 #include <runtime/gateway.hpp>
@@ -54,6 +55,7 @@ TEST(Manual, in_the_repository_matches_the_tables) {
     is_current("tools/man/anoctl.1", anoctl_page());
     is_current("tools/man/anogate-ros2.8", anogate_ros2_page());
     is_current("tools/man/anogate-mavlink.8", anogate_mavlink_page());
+    is_current("tools/man/anogate-mqtt.8", anogate_mqtt_page());
     is_current("tools/man/anogate.json.5", configuration_page());
 
     anogate::asio::io_context io;
@@ -77,7 +79,8 @@ TEST(Manual, in_the_repository_matches_the_tables) {
 }
 
 TEST(Completions, in_the_repository_match_the_tables) {
-    for (const Program& program : {anogated_program(), anoctl_program(), anogate_ros2_program(), anogate_mavlink_program()}) {
+    for (const Program& program : {anogated_program(), anoctl_program(), anogate_ros2_program(), anogate_mavlink_program(),
+                                   anogate_mqtt_program()}) {
         is_current("tools/completions/" + program.name + ".bash", bash_completion(program));
         is_current("tools/completions/_" + program.name, zsh_completion(program));
         is_current("tools/completions/" + program.name + ".fish", fish_completion(program));
@@ -88,6 +91,7 @@ TEST(Schema, in_the_repository_matches_the_tables) {
     is_current("config/anogate.schema.json", anogate::config_schema(anogate::link_kinds()));
     is_current("config/ros2.schema.json", anogate::ros2_config_schema());
     is_current("config/mavlink.schema.json", anogate::mavlink_config_schema());
+    is_current("config/mqtt.schema.json", anogate::mqtt_config_schema());
 }
 
 TEST(Messages, in_the_repository_match_the_table) {

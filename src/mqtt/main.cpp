@@ -1,0 +1,3 @@
+#include <mqtt/program.hpp>
+
+int main(int argc, char** argv) { return anogate::run_mqtt(argc, argv); }
