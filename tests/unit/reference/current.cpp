@@ -79,8 +79,8 @@ TEST(Manual, in_the_repository_matches_the_tables) {
 }
 
 TEST(Completions, in_the_repository_match_the_tables) {
-    for (const Program& program : {anogated_program(), anoctl_program(), anogate_ros2_program(), anogate_mavlink_program(),
-                                   anogate_mqtt_program()}) {
+    for (const Program& program :
+         {anogated_program(), anoctl_program(), anogate_ros2_program(), anogate_mavlink_program(), anogate_mqtt_program()}) {
         is_current("tools/completions/" + program.name + ".bash", bash_completion(program));
         is_current("tools/completions/_" + program.name, zsh_completion(program));
         is_current("tools/completions/" + program.name + ".fish", fish_completion(program));
