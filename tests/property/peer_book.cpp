@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <functional>
 #include <map>
 #include <tuple>
 #include <vector>
@@ -45,15 +46,17 @@ struct Model {
             const Duration silent = now - p.heard, patience = is_brief(p) ? Duration{10s} : timeout;
             const bool listens = p.near && p.host;
             if (dead(p) || silent >= (listens ? Duration{1h} : patience)) result.insert(id);
-            if (listens && !dead(p) && silent >= patience) listeners[p.address.text()].push_back({p.returned, p.heard, id});
+            if (listens && !dead(p) && silent >= patience) listeners[p.address.text()].push_back({false, p.heard, id});
         }
         for (auto& [address, all] : listeners) {
             std::sort(all.rbegin(), all.rend());
+            for (std::size_t i = 1; i < all.size(); ++i) std::get<bool>(all[i]) = peers.at(std::get<ChannelId>(all[i])).returned;
+            std::sort(all.begin() + 1, all.end(), std::greater<>{});    // behind the latest
             for (std::size_t i = 2; i < all.size(); ++i) result.insert(std::get<ChannelId>(all[i]));
             for (std::size_t i = 0; i < std::min<std::size_t>(2, all.size()); ++i) {
-                const auto [returned, heard, id] = all[i];
+                const auto& [again, heard, id] = all[i];
                 const Peer& p = peers.at(id);
-                if (!returned) brief.push_back({p.trusted ? 0 : p.commands ? 1 : 2, heard, id});
+                if (!p.returned) brief.push_back({p.trusted ? 0 : p.commands ? 1 : 2, heard, id});
             }
         }
         std::sort(brief.begin(), brief.end());

@@ -49,13 +49,12 @@ public:
     /// A host in our own networks may only receive for this time, without sending.
     static constexpr Duration listener_stays = std::chrono::hours{1};
     /// A peer in our own networks that sent a single datagram is removed after this time, because its source may be forged. A
-    /// host stays, since some hosts only receive. After this time at most max_silent_of_address of them stay per address, and
+    /// host stays, since some hosts only receive. After this time at most two of them stay per address, and
     /// max_listeners of those that sent within one exchange in all: trusted ones before those that command, and these before others.
     /// Loopback addresses can't be forged.
     static constexpr Duration once_stays = std::chrono::seconds{10};
     static constexpr std::size_t max_listeners = 8;
-    /// Maximum of silent hosts per address: a program that restarts has another port, and frames to the old port are lost.
-    static constexpr std::size_t max_silent_of_address = 2;
+    /// Two silent hosts stay per address: a program that restarts has another port, and frames to the old port are lost.
     /// A peer that sent a single datagram is removed after one refusal. Another peer is removed after this number of refusals
     /// without a frame from it in between, if the first and the last are at least `refused_for` apart.
     static constexpr std::uint32_t enough_refusals = 3;
@@ -67,6 +66,8 @@ public:
     static constexpr int turns_at_once = 32;
     /// Frames within this time belong to one exchange.
     static constexpr Duration exchange = std::chrono::seconds{1};
+    /// A device that sent within this time loses its channel to no peer of another link.
+    static constexpr Duration device_is_active = std::chrono::seconds{3};
 
     explicit PeerBook(const Options& options) : options_{options} {}
 
@@ -122,7 +123,7 @@ public:
     bool refused(ChannelId id, TimePoint now) noexcept;
 
     /// The peer that frees its channel for a peer of rank `to` on another link, see LinkHost::make_channel_free(): the longest silent
-    /// ordinary one; for a trusted peer, one that commands if there is none.
+    /// ordinary one, never a device that is active.
     std::optional<ChannelId> longest_silent(Rank to, TimePoint now) const noexcept;
     /// The peers to be removed now.
     ChannelSet overdue(TimePoint now) const noexcept;

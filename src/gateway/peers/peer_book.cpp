@@ -2,6 +2,7 @@
 #include <gateway/peers/peer_book.hpp>
 
 #include <algorithm>
+#include <tuple>
 #include <utility>
 
 namespace anogate {
@@ -216,13 +217,11 @@ bool PeerBook::refused(ChannelId id, TimePoint now) noexcept {
 
 std::optional<ChannelId> PeerBook::longest_silent(Rank to, TimePoint now) const noexcept {
     std::optional<ChannelId> longest;
-    const auto leaves = [&](ChannelId id) {
-        if (!longest || peer(id).rank != peer(*longest).rank) return !longest || peer(id).rank < peer(*longest).rank;
-        return leaves_before(peer(id), peer(*longest));
-    };
-    const Rank highest = to == Rank::trusted ? Rank::commands : Rank::ordinary;
-    for (const ChannelId id : to == Rank::ordinary ? overdue(now) : used_)
-        if (peer(id).rank <= highest && leaves(id)) longest = id;
+    for (const ChannelId id : to == Rank::ordinary ? overdue(now) : used_) {
+        const Peer& p = peer(id);
+        if (p.rank != Rank::ordinary || (!p.is_host && now - p.heard_at < device_is_active)) continue;
+        if (!longest || leaves_before(p, peer(*longest))) longest = id;
+    }
     return longest;
 }
 
@@ -239,19 +238,23 @@ bool PeerBook::is_overdue(ChannelId id, TimePoint now) const noexcept {
     return listens(p, now) && (exceeds_address(id, now) || exceeds_listeners(id, now));
 }
 
-// Whether max_silent_of_address others of its address only receive and precede it: those that sent again before those that sent
+// Of the hosts of an address that only receive, two stay: the latest, and of the others one that sent again before those that sent
 // once, and of these the latest.
 bool PeerBook::exceeds_address(ChannelId id, TimePoint now) const noexcept {
-    const Peer& p = peer(id);
-    std::size_t later = 0;
-    for (const ChannelId other : used_) {
-        const Peer& o = peer(other);
-        if (o.endpoint.address != p.endpoint.address || !listens(o, now)) continue;
-        const bool came_again = o.has_returned && !p.has_returned, came_once = !o.has_returned && p.has_returned;
-        const bool is_later = o.heard_at > p.heard_at || (o.heard_at == p.heard_at && index(other) > index(id));
-        if (came_again || (is_later && !came_once)) ++later;
-    }
-    return later >= max_silent_of_address;
+    const IpAddress& address = peer(id).endpoint.address;
+    const auto best = [&](std::optional<ChannelId> except) {
+        std::optional<ChannelId> best;
+        const auto key = [&](ChannelId one) {
+            return std::tuple{except && peer(one).has_returned, peer(one).heard_at, index(one)};
+        };
+        for (const ChannelId one : used_)
+            if (one != except && peer(one).endpoint.address == address && listens(peer(one), now) &&
+                (!best || key(one) > key(*best)))
+                best = one;
+        return best;
+    };
+    const auto latest = best(std::nullopt);
+    return id != latest && id != best(latest);
 }
 
 // Whether max_listeners others that sent in one exchange only receive and precede it: those of a higher rank, and of its own the

@@ -26,7 +26,7 @@ namespace anogate {
 namespace {
 
 constexpr int accepts_per_turn = 64;
-constexpr Duration accept_pause = std::chrono::seconds{1};
+constexpr Duration accept_pause = std::chrono::milliseconds{100};
 constexpr std::size_t for_one_peer = 2;                         // descriptors, until its channel is open
 constexpr Duration between_silent = std::chrono::seconds{1};    // looks for room for those that only receive
 constexpr Duration one_exchange = std::chrono::seconds{1};      // longest silence of a device during an exchange
@@ -41,7 +41,7 @@ PeerBook::Options book_options(const TcpListenSettings& tcp) {
     options.max_peers = tcp.max_peers;
     options.max_of_address = tcp.max_per_address ? *tcp.max_per_address : std::max<std::size_t>(2, quarter);
     options.kept = quarter;
-    options.kept_for_trusted = has_trusted ? (quarter + 1) / 2 : 0;
+    options.kept_for_trusted = has_trusted ? quarter / 2 : 0;
     options.has_connections = true;
     options.seed = std::random_device{}();
     return options;

@@ -45,7 +45,7 @@ std::uint64_t random_number() {
 PeerBook::Options book_options(const UdpListenSettings& udp) {
     const std::size_t quarter = std::max<std::size_t>(2, udp.max_peers / 4u);
     const std::size_t kept = udp.max_peers / 4u;
-    const std::size_t for_trusted = udp.trusted.empty() ? 0 : (kept + 1) / 2;
+    const std::size_t for_trusted = udp.trusted.empty() ? 0 : kept / 2;
     const std::size_t of_address = udp.max_per_address ? *udp.max_per_address : quarter;
     return {udp.peer_timeout, udp.max_peers, of_address, kept, for_trusted, false, random_number()};
 }

@@ -362,6 +362,17 @@ TEST(PeerBook, hosts_that_sent_once_do_not_displace_a_silent_one_of_their_addres
     }
 }
 
+// As behind a firewall that sends no ICMP: the old ports seem to listen.
+TEST(PeerBook, a_host_that_restarted_twice_and_sent_once_stays) {
+    Book book;
+    for (const ChannelId id : {a, b}) {
+        book.join(id, {phone.address, static_cast<std::uint16_t>(phone.port + index(id))}, host, start + index(id) * 1min);
+        book.heard(id, host, start + index(id) * 1min + 3s);
+    }
+    book.join_once(c, phone, host, start + 10min);
+    EXPECT_EQ(book.overdue(start + 15min), ChannelSet{a});
+}
+
 TEST(PeerBook, one_refusal_ends_a_peer_that_sent_a_single_datagram) {
     Book book;
     book.join_once(a, phone, host, start);
@@ -784,14 +795,11 @@ TEST(PeerBook, the_longest_silent_ordinary_peer_frees_its_channel_for_another_li
     book.commanded(b, start);
     book.join(c, laptop, device, start + 1s);
     book.join(d, laptop, device, start + 2s);
-    EXPECT_EQ(book.longest_silent(PeerBook::Rank::trusted, start + 3s), c);
-    EXPECT_EQ(book.longest_silent(PeerBook::Rank::commands, start + 3s), c);
-    EXPECT_EQ(book.longest_silent(PeerBook::Rank::ordinary, start + 3s), std::nullopt);
+    EXPECT_EQ(book.longest_silent(PeerBook::Rank::trusted, start + 3s), std::nullopt) << "both devices are active";
+    EXPECT_EQ(book.longest_silent(PeerBook::Rank::trusted, start + 4s), c);
+    EXPECT_EQ(book.longest_silent(PeerBook::Rank::commands, start + 4s), c);
+    EXPECT_EQ(book.longest_silent(PeerBook::Rank::ordinary, start + 4s), std::nullopt);
     EXPECT_EQ(book.longest_silent(PeerBook::Rank::ordinary, start + 61s), c);
-    book.remove(c);
-    book.remove(d);
-    EXPECT_EQ(book.longest_silent(PeerBook::Rank::commands, start + 61s), std::nullopt);
-    EXPECT_EQ(book.longest_silent(PeerBook::Rank::trusted, start + 61s), b) << "one that commands leaves for a trusted one";
 }
 
 }    // namespace
