@@ -29,6 +29,7 @@ using namespace std::chrono_literals;
 
 constexpr int protocol_error_reason = 0x90, too_large_reason = 0x95, step_ms = 500, max_packets = 100;
 constexpr std::uint16_t default_receive_maximum = 65535, our_receive_maximum = 20;
+constexpr std::uint32_t max_received = 128 * 1024;    // bytes of a packet; the broker drops larger ones
 constexpr std::size_t max_password = 4096;
 constexpr auto farewell_time = 500ms;
 
@@ -192,6 +193,7 @@ void Broker::Connection::set_callbacks() {
 std::string Broker::Connection::open() {
     if (std::string fault = prepare(); !fault.empty()) return fault;
     Properties properties;
+    properties.add(MQTT_PROP_MAXIMUM_PACKET_SIZE, max_received);
     if (settings_.session_expiry_s > 0) properties.add(MQTT_PROP_SESSION_EXPIRY_INTERVAL, settings_.session_expiry_s);
     const auto keep_alive = std::chrono::duration_cast<std::chrono::seconds>(settings_.keep_alive);
     owner_.connecting_since_ns_ = ns(ano::Clock::now());

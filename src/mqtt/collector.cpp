@@ -113,7 +113,7 @@ Expected<void> Collector::read_file(const std::string& path) {
     for (std::string line; std::getline(file, line);) {
         if (file.eof()) break;    // without a line end
         complete += line.size() + 1;
-        if (const auto identity = identity_of(line)) seen_.add(identity->stream, identity->seq);
+        if (const auto identity = identity_of(line)) seen_.add(identity->gateway + '/' + identity->stream, identity->seq);
     }
     std::error_code error;
     if (complete < std::filesystem::file_size(path, error)) std::filesystem::resize_file(path, complete, error);
@@ -154,7 +154,7 @@ bool Collector::is_new(std::string_view gateway, std::string_view line) {
         ++counts_.invalid;
         return false;
     }
-    const bool is_new = seen_.add(identity->stream, identity->seq);
+    const bool is_new = seen_.add(identity->gateway + '/' + identity->stream, identity->seq);
     ++(is_new ? counts_.records : counts_.repeats);
     return is_new;
 }

@@ -9,7 +9,13 @@
 namespace anogate {
 namespace {
 
-constexpr std::size_t max_jobs = 1024;    // while the disk hangs; further records are dropped
+constexpr std::size_t max_queued = 16 * 1024 * 1024;    // bytes of records, while the disk hangs; further ones are dropped
+
+std::size_t bytes_of(const std::vector<Record>& records) {
+    std::size_t bytes = 0;
+    for (const Record& record : records) bytes += sizeof(record) + record.topic.size() + record.json.size();
+    return bytes;
+}
 
 std::uint64_t now_s() { return static_cast<std::uint64_t>(std::time(nullptr)); }
 
@@ -25,6 +31,7 @@ struct SpoolThread::Shared {
     std::condition_variable changed{};
     std::deque<std::function<void(Shared&)>> jobs{};
     bool is_stopping = false, has_stopped = false;
+    std::size_t queued = 0;            // bytes of records in jobs
     std::uint64_t dropped_jobs = 0;    // records
 
     // Of the thread:
@@ -125,14 +132,20 @@ void SpoolThread::give(std::function<void(Shared&)> job) {
 }
 
 void SpoolThread::store(std::vector<Record> records) {
+    const std::size_t size = bytes_of(records);
     {
         const std::lock_guard lock{shared_->mutex};
-        if (shared_->jobs.size() >= max_jobs) {
+        if (shared_->queued + size > max_queued) {
             shared_->dropped_jobs += records.size();
             return;
         }
+        shared_->queued += size;
     }
-    give([records = std::move(records)](Shared& shared) { shared.store(records); });
+    give([records = std::move(records), size](Shared& shared) {
+        shared.store(records);
+        const std::lock_guard lock{shared.mutex};
+        shared.queued -= size;
+    });
 }
 
 void SpoolThread::ask_next(std::int64_t done) {
