@@ -242,7 +242,7 @@ bool PeerBook::is_overdue(ChannelId id, TimePoint now) const noexcept {
 // once, and of these the latest.
 bool PeerBook::exceeds_address(ChannelId id, TimePoint now) const noexcept {
     const IpAddress& address = peer(id).endpoint.address;
-    const auto best = [&](std::optional<ChannelId> except) {
+    const auto first = [&](std::optional<ChannelId> except) {
         std::optional<ChannelId> best;
         const auto key = [&](ChannelId one) {
             return std::tuple{except && peer(one).has_returned, peer(one).heard_at, index(one)};
@@ -253,8 +253,8 @@ bool PeerBook::exceeds_address(ChannelId id, TimePoint now) const noexcept {
                 best = one;
         return best;
     };
-    const auto latest = best(std::nullopt);
-    return id != latest && id != best(latest);
+    const auto latest = first(std::nullopt);
+    return id != latest && id != first(latest);
 }
 
 // Whether max_listeners others that sent in one exchange only receive and precede it: those of a higher rank, and of its own the
