@@ -83,7 +83,7 @@ TEST(MqttCollector, after_a_restart_it_knows_what_it_has_and_removes_an_incomple
     EXPECT_EQ(c.text("g/2023-11-15.ndjson"), line("g", "s", 1) + '\n');
     BrokerMessage message;
     message.topic = "anogate/v1/g/up/fc-05/euler";
-    for (const std::uint64_t seq : {1, 2}) {
+    for (const std::uint64_t seq : {1u, 2u}) {
         message.payload = line("g", "s", seq);
         ASSERT_TRUE(again.receive(message, noon));
     }
