@@ -44,7 +44,7 @@ std::size_t valid_part(std::span<const std::uint8_t> datagram) noexcept {
         const auto* const known = std::find_if(std::begin(submessages), std::end(submessages),
                                                [&](const Submessage& one) { return one.id == at[0]; });
         const bool is_little = (at[1] & little_endian) != 0;
-        std::size_t size = is_little ? at[2] | at[3] << 8 : at[2] << 8 | at[3];
+        auto size = static_cast<std::size_t>(is_little ? at[2] | at[3] << 8 : at[2] << 8 | at[3]);
         const std::size_t rest = at.size() - submessage_header_size;
         if (size == 0 && at[0] != pad && at[0] != info_timestamp) size = rest;    // the last one, of any size
         if (at[0] >= of_vendors || size > rest || (known != std::end(submessages) && size < known->least)) break;
