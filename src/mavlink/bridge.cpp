@@ -127,7 +127,7 @@ void MavlinkBridge::set_up(Vehicle& vehicle) {
     vehicle.identity.has_attitude_target = sticks.accepts_input(StickInput::attitude);
     vehicle.identity.has_velocity_target = sticks.accepts_input(StickInput::velocity);
     vehicle.executions = std::make_unique<CommandExecutions>(
-        [this, &vehicle](const StationCommand& command, CommandExecutions::Done done) { carry_out(vehicle, command, done); },
+        [this, &vehicle](const StationCommand& command, const CommandExecutions::Done& done) { carry_out(vehicle, command, done); },
         [this, &vehicle](const StationCommand& command, Result result) {
             Draft<"COMMAND_ACK"> draft;
             draft.set<"command">(command.command).set<"result">(static_cast<std::uint8_t>(result)).set<"progress">(0xFF);
@@ -152,19 +152,19 @@ void MavlinkBridge::set_up(Vehicle& vehicle) {
                                 },
                                 reports, to_all});
     MissionServer::Output missions;
-    missions.read = [this, address](MissionServer::Output::Read done) {
+    missions.read = [this, address](const MissionServer::Output::Read& done) {
         request(waypoints_request(address), [done](const http::Outcome& outcome) {
             auto all = is_success(outcome) ? waypoints_in(outcome.answer.body) : std::nullopt;
             if (all) done(std::move(*all), "");
             else done({}, fault_of(outcome));
         });
     };
-    missions.write = [this, address](const std::vector<Waypoint>& waypoints, MissionServer::Output::Written done) {
+    missions.write = [this, address](const std::vector<Waypoint>& waypoints, const MissionServer::Output::Written& done) {
         request(put_waypoints_request(address, waypoints),
                 [done](const http::Outcome& outcome) { done(is_success(outcome) ? "" : fault_of(outcome)); });
     };
     if (find_row(vehicle.commands, Action::clear_mission) != nullptr)
-        missions.clear = [this, &vehicle, address](MissionServer::Output::Written done) {
+        missions.clear = [this, &vehicle, address](const MissionServer::Output::Written& done) {
             const auto command = command_for(*find_row(vehicle.commands, Action::clear_mission), {});
             request(call_request(address, *command),
                     [done](const http::Outcome& outcome) { done(is_success(outcome) ? "" : fault_of(outcome)); });
@@ -191,7 +191,7 @@ TelemetryContext MavlinkBridge::context_of(const Connection& connection, const V
     return {vehicle.state, vehicle.identity, connection.link, now, since_start_us(now), output_.unix_us()};
 }
 
-void MavlinkBridge::request(DeviceRequest what, std::function<void(const http::Outcome&)> done) {
+void MavlinkBridge::request(DeviceRequest what, const std::function<void(const http::Outcome&)>& done) {
     if (output_.request(std::move(what), done)) return;
     http::Outcome outcome;
     outcome.fault = "too many requests are waiting; try again later";

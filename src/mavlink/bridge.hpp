@@ -101,7 +101,7 @@ private:
     bool pump_telemetry(Connection& connection, Vehicle& vehicle, ano::TimePoint now);
     bool transmit(Connection& connection, const Vehicle& vehicle, const Payload& payload);
     void on_text(Vehicle& vehicle, std::string_view link, const FrameRecord& record);
-    void request(DeviceRequest request, std::function<void(const http::Outcome&)> done);
+    void request(DeviceRequest request, const std::function<void(const http::Outcome&)>& done);
     void set_up(Vehicle& vehicle);
     TelemetryContext context_of(const Connection& connection, const Vehicle& vehicle, ano::TimePoint now) const;
     std::uint64_t since_start_us(ano::TimePoint now) const noexcept;
