@@ -127,7 +127,9 @@ void MavlinkBridge::set_up(Vehicle& vehicle) {
     vehicle.identity.has_attitude_target = sticks.accepts_input(StickInput::attitude);
     vehicle.identity.has_velocity_target = sticks.accepts_input(StickInput::velocity);
     vehicle.executions = std::make_unique<CommandExecutions>(
-        [this, &vehicle](const StationCommand& command, const CommandExecutions::Done& done) { carry_out(vehicle, command, done); },
+        [this, &vehicle](const StationCommand& command, const CommandExecutions::Done& done) {
+            carry_out(vehicle, command, done);
+        },
         [this, &vehicle](const StationCommand& command, Result result) {
             Draft<"COMMAND_ACK"> draft;
             draft.set<"command">(command.command).set<"result">(static_cast<std::uint8_t>(result)).set<"progress">(0xFF);
