@@ -6,7 +6,7 @@ namespace anogate {
 
 enum class Fate : std::uint8_t {
     delivered,
-    unread,     // accepted, but nobody subscribed to it
+    unread,     // accepted, but it has no subscriber
     denied,     // not allowed: it is never published again
     refused,    // invalid or too large for this broker: it is never published again
     wait,       // the broker can't accept it now

@@ -97,7 +97,7 @@ RequestAdmission::Decision RequestAdmission::refuse(const RequestMessage& messag
     return Response{response_topic(message, client), message.correlation, response_json(status, key, why)};
 }
 
-// Whoever repeats a request gets the response of the first one.
+// A repeated request gets the response of the first one.
 RequestAdmission::Decision RequestAdmission::repeat(const RequestMessage& message, std::string_view client, Known& known) {
     known.topic = response_topic(message, client);
     known.correlation = message.correlation;
@@ -127,7 +127,7 @@ Response RequestAdmission::finish(const std::string& key, unsigned status, std::
     if (known.payload.size() > max_payload) known.payload = response_json(too_large, shown, "the response is larger than 64 KiB");
     known.is_running = false;
     Response response{known.topic, known.correlation, known.payload};
-    if (shown.empty()) {    // nobody can repeat it
+    if (shown.empty()) {    // no client can repeat it
         known_.erase(found);
         std::erase(order_, key);
     }

@@ -4,12 +4,11 @@ file(READ ${ANOGATE_PACKAGE}/version package_version)
 string(STRIP "${package_version}" package_version)
 
 set(packages anogate libano-dev)
-foreach(bridge anogate-ros2 anogate-mqtt)
+foreach(bridge anogate-ros2 anogate-mqtt anogate-mavlink)
   if(TARGET ${bridge})
     list(APPEND packages ${bridge})
   endif()
 endforeach()
-list(APPEND packages anogate-mavlink)
 foreach(package ${packages})
   install(FILES ${PROJECT_SOURCE_DIR}/tools/packaging/copyright ${ANOGATE_PACKAGE}/changelog.gz
     DESTINATION share/doc/${package} COMPONENT ${package})
@@ -26,7 +25,7 @@ install(CODE [[
   endforeach()
 ]] COMPONENT anogate)
 
-foreach(bridge anogate-ros2 anogate-mqtt)
+foreach(bridge anogate-ros2 anogate-mqtt anogate-mavlink)
   if(TARGET ${bridge})
     install(CODE "set(bridge ${bridge})" COMPONENT ${bridge})
     install(CODE [[
@@ -34,10 +33,6 @@ foreach(bridge anogate-ros2 anogate-mqtt)
     ]] COMPONENT ${bridge})
   endif()
 endforeach()
-
-install(CODE [[
-  execute_process(COMMAND gzip -9nf "$ENV{DESTDIR}${CMAKE_INSTALL_PREFIX}/share/man/man8/anogate-mavlink.8" COMMAND_ERROR_IS_FATAL ANY)
-]] COMPONENT anogate-mavlink)
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_OUTPUT_FILE_PREFIX ${ANOGATE_PACKAGE})
